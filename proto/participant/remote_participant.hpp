@@ -1,0 +1,38 @@
+#pragma once
+// A participant at the other end of a channel.
+
+#include <memory>
+#include <string>
+
+#include "proto/participant/participant.hpp"
+#include "proto/wire/channel.hpp"
+
+namespace couplet::participant {
+
+struct RemoteOptions {
+  std::string name;            // "flow" or "solid", for messages to people
+  std::string run;             // name of the run, for Hello
+  double reply_deadline = 600; // [s] a request that is not answered by then loses the peer
+};
+
+/// Sends each call as a request, waits for its reply. Failure replies are thrown as the report::Failure they describe.
+/// start_step and finish_step split solve_step, so that two participants can work at the same time.
+class RemoteParticipant : public Participant {
+ public:
+  RemoteParticipant(std::unique_ptr<wire::Channel> channel, RemoteOptions options);
+  ~RemoteParticipant() override;
+
+  Opened open(const OpenRequest& request) override;
+  StepSolved solve_step(const StepInterval& interval, const surface::FieldSet& fields) override;
+  void start_step(const StepInterval& interval, const surface::FieldSet& fields) override;
+  StepSolved finish_step() override;
+  std::vector<NamedNumber> accept_step(std::int64_t step) override;
+  std::uint64_t write_checkpoint(const std::string& path) override;
+  std::vector<NamedNumber> close(const std::string& reason) override;
+
+ private:
+  struct Session;
+  std::unique_ptr<Session> session_;
+};
+
+}  // namespace couplet::participant

@@ -1,0 +1,21 @@
+#pragma once
+// The server's end of a session: requests in, calls to a Participant, replies out.
+
+#include "proto/participant/participant.hpp"
+#include "proto/wire/channel.hpp"
+
+namespace couplet::participant {
+
+struct ServeOptions {
+  std::string program;  // named in Welcome
+  int ranks = 1;
+  int threads = 1;
+  std::string scene_folder;  // when not empty: relative paths start here and not where the coupler says
+};
+
+/// Serves one session until it is closed. Refuses what session_rules refuse, answers a repeated sequence number by the stored
+/// reply. A report::Failure of the participant is sent to the coupler as Failure and thrown again after the close. Throws
+/// PeerError when the coupler is lost.
+void serve_participant(wire::Channel& channel, Participant& participant, const ServeOptions& options);
+
+}  // namespace couplet::participant

@@ -1,0 +1,32 @@
+#pragma once
+// The command line that every server has: serve, run, check. A server adds its participant and nothing else.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "proto/participant/participant.hpp"
+
+namespace couplet::participant {
+
+struct ServerOptions {
+  int threads = 0;  // 0: all cores of this machine
+};
+
+struct ServerProgram {
+  std::string name;     // "flow-server"
+  std::string purpose;  // one sentence for --help
+  std::function<std::unique_ptr<Participant>(const ServerOptions&)> make_participant;
+  /// What a run of this scene would need: cells or degrees of freedom, memory, stable time step, cost. For `check`.
+  std::function<std::vector<NamedNumber>(const OpenRequest&)> estimate;
+};
+
+/// serve --listen ADDRESS [SCENE]   binds there, prints `listening ADDRESS`, serves one session, ends
+/// serve --transport mpi            the same inside one MPI job
+/// run SCENE --out DIR [--set PATH=VALUE]... [--steps N] [--resume DIR] [--quiet]   alone, against prescribed loads
+/// check SCENE [--set PATH=VALUE]... [--json]   prints the estimate
+/// Returns the exit code; may throw report::Failure.
+int run_server_program(const ServerProgram& program, int argc, char** argv);
+
+}  // namespace couplet::participant

@@ -1,0 +1,53 @@
+#pragma once
+// A thin owner of an HDF5 file: whole arrays, growing series, attributes. Every failure is a FileError naming file and dataset.
+
+#include <hdf5.h>
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "proto/surface/surface_mesh.hpp"
+
+namespace couplet::store {
+
+class Hdf5File {
+ public:
+  static Hdf5File create(const std::filesystem::path& path);            // an existing file is replaced
+  static Hdf5File open_for_reading(const std::filesystem::path& path);  // throws FileError when it is not an HDF5 file
+  static Hdf5File open_for_appending(const std::filesystem::path& path);
+  Hdf5File(Hdf5File&& other) noexcept;
+  Hdf5File& operator=(Hdf5File&&) = delete;
+  ~Hdf5File();
+
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Whole arrays, (n_rows, n_columns). Groups in the name ("a/b") are made.
+  void write(const std::string& name, const surface::NodeArray& values);
+  void write(const std::string& name, const std::vector<std::int64_t>& values);
+  void write_float(const std::string& name, const surface::NodeArray& values);  // stored in single precision
+  surface::NodeArray read(const std::string& name) const;
+  std::vector<std::int64_t> read_integers(const std::string& name) const;
+  bool contains(const std::string& name) const;
+
+  void write_number(const std::string& name, double value);
+  void write_integer(const std::string& name, std::int64_t value);
+  void write_text(const std::string& name, const std::string& text);
+  double read_number(const std::string& name) const;
+  std::int64_t read_integer(const std::string& name) const;
+  std::string read_text(const std::string& name) const;
+
+  /// What was written reaches the file.
+  void flush();
+  /// Flushes and closes; errors are thrown here and not in the destructor.
+  void close();
+
+ private:
+  Hdf5File(std::filesystem::path path, hid_t file) : path_(std::move(path)), file_(file) {}
+  std::filesystem::path path_;
+  hid_t file_ = -1;
+};
+
+}  // namespace couplet::store
