@@ -3,19 +3,15 @@
 
 #include <vector>
 
-#include "couplet/v1/geometry.pb.h"
-
 namespace couplet::scene {
 
 struct TimeTable {
-  std::vector<double> time;   // rising
+  std::vector<double> time;  // rising [s]
   std::vector<double> value;
-  bool cosine = false;
+  bool cosine = false;  // half a cosine between rows instead of a straight line
 
   /// Held before the first row and after the last one.
   double at(double t) const;
 };
-
-TimeTable make_time_table(const v1::TimeTable& table);
 
 }  // namespace couplet::scene
