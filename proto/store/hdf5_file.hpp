@@ -1,5 +1,6 @@
 #pragma once
-// A thin owner of an HDF5 file: whole arrays, growing series, attributes. Every failure is a FileError naming file and dataset.
+// A thin owner of an HDF5 file: whole arrays, single numbers, texts. Every failure is a FileError naming file and
+// dataset. The HDF5 library is not made for threads: all calls to it go through here, one at a time.
 
 #include <hdf5.h>
 
@@ -32,6 +33,14 @@ class Hdf5File {
   std::vector<std::int64_t> read_integers(const std::string& name) const;
   bool contains(const std::string& name) const;
 
+  /// Makes room for an array that is written later without HDF5, and tells where its first byte will lie in the file:
+  /// dense, little-endian, no zeros written. One column makes a vector. The place holds after close().
+  std::int64_t reserve_float(const std::string& name, std::int64_t n_rows, std::int64_t n_columns);
+  std::int64_t reserve_double(const std::string& name, std::int64_t n_rows);
+  std::int64_t reserve_integer(const std::string& name, std::int64_t n_rows);
+  /// Where the first byte of a dense dataset lies in the file.
+  std::int64_t offset_of(const std::string& name) const;
+
   void write_number(const std::string& name, double value);
   void write_integer(const std::string& name, std::int64_t value);
   void write_text(const std::string& name, const std::string& text);
@@ -46,6 +55,13 @@ class Hdf5File {
 
  private:
   Hdf5File(std::filesystem::path path, hid_t file) : path_(std::move(path)), file_(file) {}
+  [[noreturn]] void refuse(const std::string& name, const std::string& sentence) const;
+  hid_t make_dataset(const std::string& name, hid_t type, const std::vector<hsize_t>& shape, bool reserved);
+  void write_dataset(const std::string& name, hid_t file_type, hid_t memory_type, const std::vector<hsize_t>& shape,
+                     const void* values);
+  std::int64_t reserve(const std::string& name, hid_t type, const std::vector<hsize_t>& shape);
+  void read_dataset(const std::string& name, hid_t memory_type, hid_t dataset, void* values) const;
+  hid_t open_dataset(const std::string& name, H5T_class_t expected, const std::string& what) const;
   std::filesystem::path path_;
   hid_t file_ = -1;
 };

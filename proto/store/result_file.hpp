@@ -14,26 +14,32 @@ namespace couplet::store {
 
 enum class CellShape { polyline, hexahedron20 };
 
-/// Node order of hexahedron20: XDMF's Hexahedron_20 (that of VTK): 8 corners, 4 edges of the bottom, 4 of the top, 4 upright.
+/// Node order of hexahedron20: XDMF's Hexahedron_20 (that of VTK): 8 corners, 4 edges of the bottom, 4 of the top, 4
+/// upright.
 struct ResultMesh {
   CellShape shape;
   surface::NodeArray node_position;     // (n_nodes, 3) reference position [m]
-  std::vector<std::int64_t> cell_node;  // (n_cells * nodes per cell)
+  std::vector<std::int64_t> cell_node;  // (n_cells * nodes per cell); a polyline is one cell of any length
 };
 
-/// Appends states; after every append both files are complete on disk, so a run that is killed leaves readable results.
+/// Appends states, kept safe from a run that is killed: the numbers of a state go to places that are reserved in the
+/// HDF5 file beforehand, so that the structure of the file never changes while somebody may kill the run or look at it.
+/// When the reserved places are used up, a further file NAME.0001.h5, NAME.0002.h5, ... is made, larger than the one
+/// before. NAME.xmf names every state of all of them; it is replaced as a whole after each append (from some hundred
+/// states on not after each: at most one state in 256 is missing from it after a kill).
 class ResultWriter {
  public:
-  /// Writes results/NAME.h5 and results/NAME.xmf anew.
+  /// Removes what an earlier run left under this name. The files appear with the first append.
   ResultWriter(const std::filesystem::path& results_folder, const std::string& name, const ResultMesh& mesh);
-  /// Continues an existing pair; states later than `time` are dropped.
+  /// Continues what is there (or starts anew where nothing is); states later than `time` are dropped. Throws FileError
+  /// when the files there belong to another mesh.
   static ResultWriter continue_from(const std::filesystem::path& results_folder, const std::string& name,
                                     const ResultMesh& mesh, double time);
   ~ResultWriter();
   ResultWriter(ResultWriter&&) noexcept;
 
-  /// Node fields at a time, (n_nodes, 1 or 3), stored in single precision. A field named displacement moves the picture: nodes are
-  /// drawn at their moved position.
+  /// Node fields at a time, (n_nodes, 1 or 3), stored in single precision: the same fields every time. A field named
+  /// displacement moves the picture: nodes are drawn at their moved position. Throws FileError when the disk is full.
   void append(double time, const surface::FieldSet& fields);
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 // summary.json: what a run was and what came out.
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,8 +12,8 @@ struct SummaryQuantity {
   std::string name;
   double value = 0;
   std::string unit;
-  double spread = -1;   // standard deviation over the cycles; negative: none
-  double n_cycles = -1; // cycles used; negative: none
+  double spread = -1;    // standard deviation over the cycles; negative: none
+  double n_cycles = -1;  // cycles used; negative: none
 };
 
 struct ProgramCost {
@@ -23,8 +24,8 @@ struct ProgramCost {
 };
 
 struct Summary {
-  std::string status;  // finished, stopped, failed
-  std::string failure; // one line, empty unless failed
+  std::string status;   // finished, stopped, failed
+  std::string failure;  // one line, empty unless failed
   std::string scene;
   std::int64_t steps = 0;
   double end_time = 0;

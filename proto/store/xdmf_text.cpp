@@ -1,0 +1,86 @@
+#include "proto/store/xdmf_text.hpp"
+
+#include <charconv>
+#include <iterator>
+
+#include "proto/store/result_layout.hpp"
+
+namespace couplet::store {
+
+namespace {
+
+std::string shortest(double value) {
+  char digits[32];
+  return {std::begin(digits), std::to_chars(std::begin(digits), std::end(digits), value).ptr};
+}
+
+/// The few signs that mean something to XML.
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char sign : text) {
+    switch (sign) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += sign;
+    }
+  }
+  return result;
+}
+
+std::string data_item(const std::string& type, int bytes, const std::string& dimensions, const std::string& place) {
+  return "<DataItem NumberType=\"" + type + "\" Precision=\"" + std::to_string(bytes) + "\" Dimensions=\"" +
+         dimensions + "\" Format=\"HDF\">" + escaped(place) + "</DataItem>";
+}
+
+std::string topology(const XdmfMesh& mesh) {
+  const bool is_line = mesh.shape == CellShape::polyline;
+  const int nodes_per_cell = is_line ? 2 : 20;
+  const std::string n_cells = std::to_string(mesh.n_cell_nodes / nodes_per_cell);
+  const std::string kind =
+      is_line ? "TopologyType=\"Polyline\" NodesPerElement=\"2\"" : "TopologyType=\"Hexahedron_20\"";
+  return "<Topology " + kind + " NumberOfElements=\"" + n_cells + "\">" +
+         data_item("Int", 8, n_cells + " " + std::to_string(nodes_per_cell), mesh.file + ":/mesh/cell") +
+         "</Topology>\n";
+}
+
+}  // namespace
+
+std::string xdmf_start(const std::string& name) {
+  return "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"" + escaped(name) +
+         "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+}
+
+std::string xdmf_state(const XdmfMesh& mesh, const std::vector<XdmfField>& fields, bool is_moving, double time,
+                       const std::string& file, std::int64_t slot) {
+  const std::string n_nodes = std::to_string(mesh.n_nodes);
+  std::string text = "<Grid GridType=\"Uniform\"><Time Value=\"" + shortest(time) + "\"/>\n" + topology(mesh);
+  text += "<Geometry GeometryType=\"XYZ\">";
+  text += is_moving ? data_item("Float", 4, n_nodes + " 3", file + ":/" + state_dataset(slot, "position"))
+                    : data_item("Float", 8, n_nodes + " 3", mesh.file + ":/mesh/position");
+  text += "</Geometry>\n";
+  for (const XdmfField& field : fields) {
+    const bool is_scalar = field.n_components == 1;
+    text += "<Attribute Name=\"" + escaped(field.name) + "\" AttributeType=\"" + (is_scalar ? "Scalar" : "Vector") +
+            "\" Center=\"Node\">" +
+            data_item("Float", 4, is_scalar ? n_nodes : n_nodes + " 3", file + ":/" + state_dataset(slot, field.name)) +
+            "</Attribute>\n";
+  }
+  return text + "</Grid>\n";
+}
+
+std::string xdmf_end() {
+  return "</Grid>\n</Domain>\n</Xdmf>\n";
+}
+
+}  // namespace couplet::store
