@@ -10,13 +10,18 @@
 namespace couplet::participant {
 
 struct RemoteOptions {
-  std::string name;            // "flow" or "solid", for messages to people
-  std::string run;             // name of the run, for Hello
-  double reply_deadline = 600; // [s] a request that is not answered by then loses the peer
+  std::string name;             // "flow" or "solid", for messages to people
+  std::string run;              // name of the run, for Hello
+  double hello_deadline = 60;   // [s] the same for the very first request, which needs no computation
+  double reply_deadline = 600;  // [s] a request that is not answered by then loses the peer
+  double repeat_interval =
+      60;  // [s] a request that is not answered yet is sent again, with its number, after this time
 };
 
-/// Sends each call as a request, waits for its reply. Failure replies are thrown as the report::Failure they describe.
-/// start_step and finish_step split solve_step, so that two participants can work at the same time.
+/// Sends each call as a request, waits for its reply. Failure replies are thrown as the report::Failure they describe;
+/// PeerError when the other end is lost, is late, or does not keep to the protocol.
+/// start_step and finish_step split solve_step, so that two participants can work at the same time. A session that was
+/// not closed is closed by the destructor as well as it can be, so that the server ends orderly when the coupler fails.
 class RemoteParticipant : public Participant {
  public:
   RemoteParticipant(std::unique_ptr<wire::Channel> channel, RemoteOptions options);

@@ -2,6 +2,7 @@
 // A channel carries messages between the coupler and one server: in order, complete or not at all.
 
 #include <chrono>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,10 +14,30 @@ namespace couplet::wire {
 /// One message: frame 0 is a serialized Request or Reply, the others are raw arrays.
 using Frames = std::vector<Frame>;
 
+/// The same bytes once more, for a message that may have to be sent again.
+inline Frames share(const Frames& message) {
+  Frames shared;
+  shared.reserve(message.size());
+  for (const Frame& frame : message) shared.push_back(frame.share());
+  return shared;
+}
+
 using Deadline = std::chrono::steady_clock::time_point;
 
+/// That many seconds from now; a very long time from now when they are too many for the clock.
+inline Deadline deadline_in(double seconds) {
+  constexpr double longest = 1e9;  // [s]
+  const std::chrono::duration<double> span(seconds < longest ? seconds : longest);
+  return std::chrono::steady_clock::now() + std::chrono::duration_cast<std::chrono::steady_clock::duration>(span);
+}
+
+/// A message that claims to be larger than this is not accepted; it bounds the memory that a faulty peer can ask for.
+inline constexpr std::size_t frame_count_limit = 4096;
+inline constexpr std::size_t frame_size_limit = std::size_t{1} << 30;  // [bytes], 44 million nodes with 3 components
+
 /// The two ends are alike. A channel never spins on a core that a solver needs: waiting sleeps.
-/// send and receive throw PeerError when the other end is known to be lost (closed, killed, frozen beyond the heartbeat).
+/// send and receive throw PeerError when the other end is known to be lost (closed, killed, frozen beyond the
+/// heartbeat); messages that arrived before are still received first.
 class Channel {
  public:
   virtual ~Channel() = default;

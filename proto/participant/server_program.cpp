@@ -1,0 +1,158 @@
+#include "proto/participant/server_program.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "proto/participant/run_alone.hpp"
+#include "proto/participant/serve_participant.hpp"
+#include "proto/participant/stop_signal.hpp"
+#include "proto/report/failure.hpp"
+#include "proto/report/version.hpp"
+#include "proto/scene/read_scene.hpp"
+#include "proto/wire/zeromq_channel.hpp"
+
+namespace couplet::participant {
+
+namespace {
+
+struct CommandLine {
+  std::string listen = "tcp://127.0.0.1:*";
+  std::string transport = "zmq";
+  std::string scene;
+  std::vector<std::string> settings;
+  ServerOptions server;
+  wire::ZeromqOptions zeromq;
+  AloneOptions alone;
+  bool json = false;
+};
+
+ServeOptions make_serve_options(const ServerProgram& program, const CommandLine& line) {
+  ServeOptions options;
+  options.program = program.name;
+  options.threads =
+      line.server.threads > 0 ? line.server.threads : static_cast<int>(std::thread::hardware_concurrency());
+  if (!line.scene.empty()) {
+    // A scene that is given here is refused here; afterwards only its folder matters, the coupler sends the scene.
+    options.scene_folder = std::filesystem::absolute(scene::load_scene(line.scene, line.settings).folder).string();
+  }
+  options.should_end = stop_was_asked;
+  return options;
+}
+
+int serve(const ServerProgram& program, const CommandLine& line) {
+  const ServeOptions options = make_serve_options(program, line);
+  catch_stop_signals();
+  const auto channel = wire::listen_zeromq(line.listen, line.zeromq);
+  std::printf("listening %s\n", channel->describe().c_str());
+  std::fflush(stdout);
+  const auto participant = program.make_participant(line.server);
+  serve_participant(*channel, *participant, options);
+  return 0;
+}
+
+int run(const ServerProgram& program, const CommandLine& line) {
+  const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
+  AloneOptions options = line.alone;
+  options.program = program.name;
+  options.scene_path = line.scene;
+  const auto participant = program.make_participant(line.server);
+  run_alone(*participant, file.scene, options);
+  return 0;
+}
+
+int check(const ServerProgram& program, const CommandLine& line) {
+  const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
+  OpenRequest request;
+  request.scene = file.scene;
+  request.scene_folder = std::filesystem::absolute(file.folder).string();
+  const std::vector<NamedNumber> numbers = program.estimate(request);
+  if (line.json) {
+    nlohmann::ordered_json object;
+    for (const auto& number : numbers) object[number.name] = {{"value", number.value}, {"unit", number.unit}};
+    std::printf("%s\n", object.dump(2).c_str());
+    return 0;
+  }
+  std::size_t width = 0;
+  for (const auto& number : numbers) width = std::max(width, number.name.size());
+  for (const auto& number : numbers) {
+    const std::string unit = number.unit == "1" ? "" : " " + number.unit;
+    std::printf("%-*s  %.6g%s\n", static_cast<int>(width), number.name.c_str(), number.value, unit.c_str());
+  }
+  return 0;
+}
+
+int print_version(const ServerProgram& program) {
+  std::printf("%s %s, commit %s, %s\n", program.name.c_str(), report::version().c_str(), report::commit().c_str(),
+              report::compiler().c_str());
+  return 0;
+}
+
+void add_serve(CLI::App& app, CommandLine& line) {
+  auto* serve = app.add_subcommand("serve", "serve one session of a coupler, then end");
+  serve->add_option("scene", line.scene, "scene that is checked first; relative paths start at its folder");
+  serve->add_option("--listen", line.listen, "bind there: tcp://127.0.0.1:* (any free port), ipc://PATH, ipc://@NAME")
+      ->capture_default_str();
+  serve->add_option("--transport", line.transport, "zmq, or mpi inside one MPI job")
+      ->check(CLI::IsMember({"zmq", "mpi"}))
+      ->capture_default_str();
+  serve->add_option("--threads", line.server.threads, "threads to compute with; 0: all cores")
+      ->check(CLI::NonNegativeNumber);
+  serve
+      ->add_option("--heartbeat", line.zeromq.heartbeat_deadline,
+                   "seconds without sign of life after which the coupler is lost")
+      ->check(CLI::Range(0.5, 1e6))
+      ->capture_default_str();
+  serve->add_option("--wait", line.zeromq.connect_deadline, "seconds to wait for the coupler to come")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  serve->add_flag("--allow-remote", line.zeromq.allow_remote, "bind to an address that other machines can reach");
+  serve->add_option("--set", line.settings, "PATH=VALUE for the scene that is checked")->take_all();
+}
+
+void add_run(CLI::App& app, CommandLine& line) {
+  auto* run = app.add_subcommand("run", "run a scene alone, against prescribed loads");
+  run->add_option("scene", line.scene, "scene file")->required();
+  run->add_option("--out", line.alone.run_folder, "folder for the results")->required();
+  run->add_option("--set", line.settings, "PATH=VALUE changes a field of the scene")->take_all();
+  run->add_option("--steps", line.alone.steps, "stop after this many steps; 0: at the end of the scene")
+      ->check(CLI::NonNegativeNumber);
+  run->add_option("--resume", line.alone.resume_from, "run folder or checkpoint folder to continue from");
+  run->add_option("--threads", line.server.threads, "threads to compute with; 0: all cores")
+      ->check(CLI::NonNegativeNumber);
+  run->add_flag("--quiet", line.alone.quiet, "no progress line");
+}
+
+void add_check(CLI::App& app, CommandLine& line) {
+  auto* check = app.add_subcommand("check", "say what a run of a scene would need, without running it");
+  check->add_option("scene", line.scene, "scene file")->required();
+  check->add_option("--set", line.settings, "PATH=VALUE changes a field of the scene")->take_all();
+  check->add_flag("--json", line.json, "as one JSON object");
+}
+
+}  // namespace
+
+int run_server_program(const ServerProgram& program, int argc, char** argv) {
+  CommandLine line;
+  CLI::App app(program.purpose, program.name);
+  app.require_subcommand(1);
+  add_serve(app, line);
+  add_run(app, line);
+  add_check(app, line);
+  app.add_subcommand("version", "print version, commit and compiler");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& stop) {
+    if (stop.get_exit_code() == 0) return app.exit(stop);  // --help
+    throw report::SceneError("command line", stop.what(), program.name + " --help says what is possible");
+  }
+  const std::string verb = app.get_subcommands().front()->get_name();
+  if (verb == "serve") return serve(program, line);
+  if (verb == "run") return run(program, line);
+  if (verb == "check") return check(program, line);
+  return print_version(program);
+}
+
+}  // namespace couplet::participant

@@ -1,0 +1,265 @@
+#include "proto/wire/zeromq_channel.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cerrno>
+#include <cstdio>
+#include <utility>
+#include <zmq.hpp>
+
+#include "proto/report/failure.hpp"
+#include "proto/wire/connection_watch.hpp"
+#include "proto/wire/zeromq_address.hpp"
+
+namespace couplet::wire {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Parts = std::vector<zmq::message_t>;
+
+// A frame of this size or more is handed to ZeroMQ as it is; a smaller one is cheaper to copy.
+constexpr std::size_t handed_over = 4096;  // [bytes]
+
+// What is still unsent when a channel ends may take this long to leave; a program's exit never hangs longer.
+constexpr int linger = 2000;  // [ms]
+
+zmq::message_t make_part(Frame frame) {
+  if (frame.size() < handed_over) return {frame.data(), frame.size()};
+  auto* kept = new Frame(std::move(frame));  // given back by ZeroMQ's own thread when the bytes have left
+  return {kept->data(), kept->size(), [](void*, void* owner) { delete static_cast<Frame*>(owner); }, kept};
+}
+
+Frame make_frame(zmq::message_t part) {
+  if (part.size() < handed_over) return Frame::copy_of(part.data(), part.size());
+  const auto owner = std::make_shared<zmq::message_t>(std::move(part));
+  return Frame::inside(owner, owner->data(), owner->size());
+}
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g s", seconds);
+  return text;
+}
+
+// What both ends have in common: whole messages, and waiting with one eye on the connection.
+class ZeromqChannel : public Channel {
+ public:
+  ZeromqChannel(zmq::socket_type type, const ZeromqOptions& options)
+      : options_(options),
+        socket_(context_, type),
+        watch_(context_, socket_),
+        connect_deadline_(deadline_in(options.connect_deadline)) {
+    // A silent peer is found after interval + timeout, three quarters of the deadline.
+    const int quarter = std::clamp(static_cast<int>(250 * options.heartbeat_deadline), 1, 1600000);  // [ms]
+    socket_.set(zmq::sockopt::heartbeat_ivl, quarter);
+    socket_.set(zmq::sockopt::heartbeat_timeout, 2 * quarter);
+    socket_.set(zmq::sockopt::heartbeat_ttl, std::max(100, 4 * quarter));
+    socket_.set(zmq::sockopt::linger, linger);
+    socket_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(frame_size_limit));
+  }
+
+  void send(Frames message) override {
+    throw_if_lost();
+    for (zmq::message_t& part : envelope()) send_part(part, true);
+    for (std::size_t i = 0; i < message.size(); ++i) {
+      zmq::message_t part = make_part(std::move(message[i]));
+      send_part(part, i + 1 < message.size());
+    }
+  }
+
+  std::optional<Frames> receive(Deadline deadline) override {
+    while (true) {
+      if (auto message = take_message()) return message;
+      throw_if_lost();
+      const auto now = Clock::now();
+      if (now >= deadline) return std::nullopt;
+      const bool is_waited_for = !watch_.has_followed();
+      if (is_waited_for && now >= connect_deadline_) throw never_came();
+      wait(is_waited_for ? std::min(deadline, connect_deadline_) : deadline, ZMQ_POLLIN);
+    }
+  }
+
+  std::string describe() const override { return address_; }
+
+ protected:
+  // Parts that go before the frames.
+  virtual Parts envelope() const = 0;
+  // Takes the envelope off; false when the message is not for us.
+  virtual bool open_envelope(Parts& parts) = 0;
+  virtual bool follows_first_connection() const = 0;
+  virtual report::PeerError never_came() const = 0;
+
+  const ZeromqOptions options_;
+  std::string address_;
+  zmq::context_t context_;
+  zmq::socket_t socket_;
+  ConnectionWatch watch_;
+
+ private:
+  report::PeerError lost() const {
+    return {address_,
+            "the program at the other end is lost: it ended, was killed, or gave no sign of life for " +
+                seconds_text(options_.heartbeat_deadline),
+            "its own last line says why; the last checkpoint can be resumed"};
+  }
+
+  void throw_if_lost() {
+    watch_.read(follows_first_connection());
+    if (!watch_.is_lost()) return;
+    socket_.set(zmq::sockopt::linger, 0);  // nobody will take what is left
+    throw lost();
+  }
+
+  void send_part(zmq::message_t& part, bool more) {
+    const auto flags = zmq::send_flags::dontwait | (more ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    while (true) {
+      try {
+        if (socket_.send(part, flags)) return;
+      } catch (const zmq::error_t& error) {
+        if (error.num() == EHOSTUNREACH) throw lost();
+        if (error.num() != EINTR) throw;
+      }
+      throw_if_lost();
+      wait(deadline_in(1), ZMQ_POLLOUT);
+    }
+  }
+
+  // A message for us that is already here, if there is one.
+  std::optional<Frames> take_message() {
+    Parts parts;
+    while (take_parts(parts)) {
+      if (!open_envelope(parts)) continue;
+      Frames message;
+      for (zmq::message_t& part : parts) message.push_back(make_frame(std::move(part)));
+      return message;
+    }
+    return std::nullopt;
+  }
+
+  // ZeroMQ delivers all parts of a message at once or none.
+  bool take_parts(Parts& parts) {
+    parts.clear();
+    bool more = true;
+    while (more) {
+      zmq::message_t part;
+      if (!take_part(part)) {
+        if (parts.empty()) return false;
+        continue;
+      }
+      more = part.more();
+      if (parts.size() <= frame_count_limit) parts.push_back(std::move(part));
+    }
+    return true;
+  }
+
+  bool take_part(zmq::message_t& part) {
+    try {
+      return socket_.recv(part, zmq::recv_flags::dontwait).has_value();
+    } catch (const zmq::error_t& error) {
+      if (error.num() == EINTR) return false;
+      throw;
+    }
+  }
+
+  void wait(Deadline until, short what) {
+    constexpr std::chrono::milliseconds longest(1000);
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
+    zmq::pollitem_t items[] = {{socket_.handle(), 0, what, 0}, {watch_.socket().handle(), 0, ZMQ_POLLIN, 0}};
+    try {
+      zmq::poll(items, 2, std::clamp(left, std::chrono::milliseconds(0), longest));
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+    }
+  }
+
+  Deadline connect_deadline_;
+};
+
+class ZeromqServer : public ZeromqChannel {
+ public:
+  ZeromqServer(const std::string& address, const ZeromqOptions& options)
+      : ZeromqChannel(zmq::socket_type::router, options) {
+    address_ = address;
+    socket_.set(zmq::sockopt::router_mandatory, true);
+    try {
+      socket_.bind(address);
+    } catch (const zmq::error_t& error) {
+      throw report::PeerError(address, std::string("cannot bind: ") + error.what(),
+                              "choose a free address of this machine, for example tcp://127.0.0.1:*");
+    }
+    address_ = socket_.get(zmq::sockopt::last_endpoint);
+  }
+
+ private:
+  Parts envelope() const override {
+    assert(!peer_.empty());  // a server speaks when it is spoken to
+    Parts parts;
+    parts.emplace_back(peer_);
+    return parts;
+  }
+
+  bool open_envelope(Parts& parts) override {
+    const std::string sender = parts.front().to_string();
+    if (peer_.empty()) {
+      peer_ = sender;
+      watch_.follow_sender(parts.front());
+    }
+    if (sender != peer_) {
+      if (!has_warned_)
+        std::fprintf(stderr, "%s: a second program tries to connect and is ignored\n", address_.c_str());
+      has_warned_ = true;
+      return false;
+    }
+    parts.erase(parts.begin());
+    return true;
+  }
+
+  bool follows_first_connection() const override { return false; }  // it follows who speaks first
+
+  report::PeerError never_came() const override {
+    return {address_, "no coupler has come within " + seconds_text(options_.connect_deadline),
+            "start the coupler with this address, or wait longer with --wait"};
+  }
+
+  std::string peer_;  // routing id; empty until the first message
+  bool has_warned_ = false;
+};
+
+class ZeromqClient : public ZeromqChannel {
+ public:
+  ZeromqClient(const std::string& address, const ZeromqOptions& options)
+      : ZeromqChannel(zmq::socket_type::dealer, options) {
+    address_ = address;
+    socket_.set(zmq::sockopt::reconnect_ivl, 20);  // [ms] between attempts until the server is there
+    socket_.connect(address);
+  }
+
+ private:
+  Parts envelope() const override { return {}; }
+  bool open_envelope(Parts&) override { return true; }
+  bool follows_first_connection() const override { return true; }
+
+  report::PeerError never_came() const override {
+    return {address_, "no server has answered there within " + seconds_text(options_.connect_deadline),
+            "check that it runs and that it prints this address"};
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Channel> listen_zeromq(const std::string& address, const ZeromqOptions& options) {
+  check_zeromq_address(address);
+  if (!options.allow_remote && !is_local_address(address)) {
+    throw report::SceneError(address, "can be reached from other machines, and whoever comes first is obeyed",
+                             "bind to tcp://127.0.0.1:*, or say --allow-remote on a network that you trust");
+  }
+  return std::make_unique<ZeromqServer>(address, options);
+}
+
+std::unique_ptr<Channel> connect_zeromq(const std::string& address, const ZeromqOptions& options) {
+  check_zeromq_address(address);
+  return std::make_unique<ZeromqClient>(address, options);
+}
+
+}  // namespace couplet::wire
