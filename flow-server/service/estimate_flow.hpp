@@ -1,0 +1,13 @@
+#pragma once
+// What a run of a scene would cost the flow, before it is run.
+
+#include <vector>
+
+#include "proto/participant/participant.hpp"
+
+namespace couplet::flow {
+
+/// stations [1], faces [1] when the surface is known, seconds_per_solve [s], memory_bytes [1]. Throws SceneError.
+std::vector<participant::NamedNumber> estimate_flow(const participant::OpenRequest& request);
+
+}  // namespace couplet::flow

@@ -1,0 +1,109 @@
+#include "flow-server/service/flow_participant.hpp"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "flow-server/service/make_flow_model.hpp"
+#include "proto/report/failure.hpp"
+#include "proto/store/run_folder.hpp"
+
+namespace couplet::flow {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+ResultSchedule make_schedule(const v1::Output& output, const std::string& run_folder) {
+  if (run_folder.empty() || !output.has_results_interval()) return {};
+  return {output.results_start(), output.results_interval()};
+}
+
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+}  // namespace
+
+participant::Opened FlowParticipant::open(const participant::OpenRequest& request) {
+  const auto started = Clock::now();
+  model_ = make_flow_model(request.scene, request.peer_surface);
+  if (!request.resume_from.empty()) model_->resume(request.resume_from);
+  schedule_ = make_schedule(request.scene.output(), request.run_folder);
+  if (schedule_.is_on()) {
+    model_->start_results(store::RunFolder{request.run_folder}.results());
+    const bool is_new = request.resume_from.empty();
+    if (is_new && schedule_.is_due(-std::numeric_limits<double>::infinity(), model_->time())) model_->append_results();
+  }
+  participant::Opened opened;
+  opened.surface = model_->interface();
+  opened.time = model_->time();
+  opened.needs = model_->needs();
+  if (opened.surface.n_nodes() > 0) {
+    opened.offers = {"force"};
+    opened.fields = {{"force", "N", model_->force()}};
+  }
+  seconds_ += seconds_since(started);
+  return opened;
+}
+
+participant::StepSolved FlowParticipant::solve_step(const participant::StepInterval& interval,
+                                                    const surface::FieldSet& fields) {
+  const auto started = Clock::now();
+  // The coupler and this program add up the same steps; more than round-off apart means that one of them lost a step.
+  if (std::abs(interval.start - model_->time()) > 1e-6 * interval.duration) {
+    throw report::PeerError("flow-server",
+                            "asked for a step from t = " + std::to_string(interval.start) +
+                                " s, but the accepted state is at t = " + std::to_string(model_->time()) + " s",
+                            "start the run again from its last checkpoint");
+  }
+  for (const std::string& name : model_->needs()) {
+    const surface::NodeArray& values = surface::find_field(fields, name).values;
+    if (values.rows() != model_->interface().n_nodes() || values.cols() != 3) {
+      throw report::PeerError("flow-server",
+                              "the field '" + name + "' is " + std::to_string(values.rows()) + " x " +
+                                  std::to_string(values.cols()) + ", not " +
+                                  std::to_string(model_->interface().n_nodes()) + " x 3",
+                              "check the mapping between the two surfaces");
+    }
+  }
+  model_->solve_step(interval.duration, fields);
+  participant::StepSolved solved;
+  if (model_->interface().n_nodes() > 0) solved.fields = {{"force", "N", model_->force()}};
+  solved.seconds = seconds_since(started);
+  seconds_ += solved.seconds;
+  return solved;
+}
+
+std::vector<participant::NamedNumber> FlowParticipant::accept_step(std::int64_t) {
+  const auto started = Clock::now();
+  const double before = model_->time();
+  std::vector<participant::NamedNumber> numbers;
+  for (const FlowQuantity& quantity : model_->accept_step())
+    numbers.push_back({quantity.name, quantity.value, quantity.unit});
+  if (schedule_.is_due(before, model_->time())) model_->append_results();
+  seconds_ += seconds_since(started);
+  return numbers;
+}
+
+std::uint64_t FlowParticipant::write_checkpoint(const std::string& path) {
+  const auto started = Clock::now();
+  model_->write_checkpoint(path);
+  seconds_ += seconds_since(started);
+  return static_cast<std::uint64_t>(std::filesystem::file_size(path));
+}
+
+std::vector<participant::NamedNumber> FlowParticipant::close(const std::string&) {
+  model_.reset();
+  return {{"seconds", seconds_, "s"}, {"peak_memory_bytes", peak_memory_bytes(), "1"}};
+}
+
+}  // namespace couplet::flow

@@ -1,0 +1,31 @@
+#pragma once
+// A flow model as the coupler sees it.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "flow-server/flow_model.hpp"
+#include "flow-server/service/result_schedule.hpp"
+#include "proto/participant/participant.hpp"
+
+namespace couplet::flow {
+
+/// Translates between the calls of a session and a FlowModel; keeps no physics. The interface is the solid's own
+/// surface, so that fields travel node by node.
+class FlowParticipant : public participant::Participant {
+ public:
+  participant::Opened open(const participant::OpenRequest& request) override;
+  participant::StepSolved solve_step(const participant::StepInterval& interval,
+                                     const surface::FieldSet& fields) override;
+  std::vector<participant::NamedNumber> accept_step(std::int64_t step) override;
+  std::uint64_t write_checkpoint(const std::string& path) override;
+  std::vector<participant::NamedNumber> close(const std::string& reason) override;
+
+ private:
+  std::unique_ptr<FlowModel> model_;
+  ResultSchedule schedule_;
+  double seconds_ = 0;  // spent in this participant [s]
+};
+
+}  // namespace couplet::flow
