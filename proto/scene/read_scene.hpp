@@ -2,24 +2,13 @@
 // Text to a checked scene, with every complaint at its place.
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "couplet/v1/scene.pb.h"
+#include "proto/scene/complaint.hpp"
 
 namespace couplet::scene {
-
-/// A complaint about one field: `scene.txtpb:14:9: solid.body[0].material.density: -1 is not above 0; ...`
-struct Complaint {
-  std::string file;
-  int line = 0;  // 1, 2, ...; 0: not in the file (given by --set, or missing altogether)
-  int column = 0;
-  std::string field;  // path in the scene
-  std::string sentence;
-
-  std::string text() const;
-};
 
 struct SceneFile {
   v1::Scene scene;

@@ -1,0 +1,24 @@
+#include "proto/scene/marker_rules.hpp"
+
+#include <algorithm>
+
+#include "proto/scene/mesh_names.hpp"
+#include "proto/scene/wording.hpp"
+
+namespace couplet::scene {
+
+void check_marker(const v1::MaterialPoint& point, const std::string& path, const v1::Solid& solid, Review& review) {
+  if (!point.has_marker()) return;
+  std::vector<std::string> known;
+  bool has_mesh = false;
+  for (const v1::Body& body : solid.body()) {
+    has_mesh = has_mesh || body.mesh_case() != v1::Body::MESH_NOT_SET;
+    for (const std::string& name : marker_names(body)) known.push_back(name);
+  }
+  if (!has_mesh || std::find(known.begin(), known.end(), point.marker()) != known.end()) return;
+  review.complain(path + ".marker", "the mesh has no marker \"" + point.marker() + "\"; " +
+                                        (known.empty() ? "give position { x: ... y: ... z: ... } instead"
+                                                       : suggestion(point.marker(), known, "it has")));
+}
+
+}  // namespace couplet::scene

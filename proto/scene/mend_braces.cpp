@@ -1,0 +1,114 @@
+// Finds the block that is not closed, or the brace too many, by the indentation, as a reader does.
+
+#include <cstddef>
+
+#include "proto/scene/scene_tokens.hpp"
+
+namespace couplet::scene {
+
+namespace {
+
+struct Imbalance {
+  int unclosed = 0;
+  int extra = 0;
+};
+
+Imbalance imbalance_of(const std::vector<Token>& tokens) {
+  Imbalance found;
+  for (const Token& token : tokens) {
+    if (token.opens()) ++found.unclosed;
+    if (!token.closes()) continue;
+    found.unclosed > 0 ? --found.unclosed : ++found.extra;
+  }
+  return found;
+}
+
+struct Block {
+  int line;
+  int indentation;           // of the line on which it opens
+  bool is_indented = false;  // its content stands deeper than the line on which it opens
+};
+
+class BraceMender {
+ public:
+  explicit BraceMender(const Imbalance& found) : unclosed_(found.unclosed), extra_(found.extra) {}
+
+  std::vector<Token> mend(const std::vector<Token>& tokens) {
+    for (const Token& token : tokens) {
+      if (token.line != line_ || token.kind == Token::end) start_line(token);
+      Token kept = token;
+      if (token.opens()) open_.push_back({token.line, indentation_});
+      if (token.closes()) close(kept);
+      mended_.push_back(kept);
+    }
+    return mended_;
+  }
+
+  bool is_certain() const { return is_certain_; }
+
+ private:
+  // A line that stands no deeper than an open block's first line, and does not close that block, shows that it is
+  // unclosed.
+  void start_line(const Token& first) {
+    line_ = first.line;
+    indentation_ = first.kind == Token::end ? 0 : first.column;
+    if (!open_.empty() && indentation_ > open_.back().indentation) open_.back().is_indented = true;
+    if (open_.empty() && first.kind == Token::identifier && indentation_ > 1) is_certain_ = extra_ == 0 && is_certain_;
+    while (unclosed_ > 0 && !open_.empty() && shows_unclosed(first)) put_in_closing_brace(first);
+  }
+
+  bool shows_unclosed(const Token& first) {
+    const Block& block = open_.back();
+    if (first.kind == Token::end) {
+      is_certain_ = is_certain_ && block.is_indented;
+      return true;
+    }
+    if (!block.is_indented) return false;
+    return first.closes() ? indentation_ < block.indentation : indentation_ <= block.indentation;
+  }
+
+  void put_in_closing_brace(const Token& before) {
+    Token brace;
+    brace.kind = Token::symbol;
+    brace.word = "}";
+    brace.line = before.line;
+    brace.column = before.column;
+    brace.mended = true;
+    mended_.push_back(brace);
+    open_.pop_back();
+    --unclosed_;
+  }
+
+  void close(Token& brace) {
+    const bool too_deep = is_first_on_its_line(brace) && !open_.empty() && open_.back().is_indented &&
+                          brace.column > open_.back().indentation;
+    if (open_.empty() || (extra_ > 0 && too_deep)) {
+      brace.extra = true;
+      --extra_;
+      return;
+    }
+    open_.pop_back();
+  }
+
+  bool is_first_on_its_line(const Token& token) const { return mended_.empty() || mended_.back().line != token.line; }
+
+  int unclosed_, extra_;  // still to be found
+  bool is_certain_ = true;
+  int line_ = 0;
+  int indentation_ = 1;
+  std::vector<Block> open_;
+  std::vector<Token> mended_;
+};
+
+}  // namespace
+
+bool mend_braces(std::vector<Token>& tokens) {
+  const Imbalance found = imbalance_of(tokens);
+  if (found.unclosed == 0 && found.extra == 0) return true;
+  BraceMender mender(found);
+  tokens = mender.mend(tokens);
+  const bool is_one_kind = found.unclosed == 0 || found.extra == 0;
+  return is_one_kind && mender.is_certain();
+}
+
+}  // namespace couplet::scene

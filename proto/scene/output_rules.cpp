@@ -1,0 +1,90 @@
+#include <algorithm>
+
+#include "proto/scene/marker_rules.hpp"
+#include "proto/scene/relation_rules.hpp"
+#include "proto/scene/wording.hpp"
+
+namespace couplet::scene {
+
+namespace {
+
+std::string entry(const std::string& list, int index) {
+  return "output." + list + "[" + std::to_string(index) + "]";
+}
+
+void results_start_in_time(const v1::Scene& scene, Review& review) {
+  const v1::Output& output = scene.output();
+  if (!output.has_results_start() || !scene.time().has_end() || output.results_start() <= scene.time().end()) return;
+  review.complain("output.results_start", number_text(output.results_start()) + " s is after the end of the run, " +
+                                              number_text(scene.time().end()) + " s; give an earlier time");
+}
+
+// Probes and quantities are found by their names.
+template <class Entries>
+void names_differ(const Entries& entries, const std::string& list, const std::string& what, Review& review) {
+  for (int i = 0; i < entries.size(); ++i) {
+    for (int j = 0; j < i && entries[i].has_name(); ++j) {
+      if (entries[i].name() != entries[j].name()) continue;
+      review.complain(entry(list, i) + ".name",
+                      "\"" + entries[i].name() + "\" is the name of another " + what + "; give each its own name");
+      break;
+    }
+  }
+}
+
+void probes_are_on_the_solid(const v1::Scene& scene, Review& review) {
+  for (int i = 0; i < scene.output().probe_size(); ++i) {
+    const std::string path = entry("probe", i);
+    if (!scene.has_solid()) review.complain(path, "is a point of the solid, but the scene has none; delete it");
+    check_marker(scene.output().probe(i).at(), path + ".at", scene.solid(), review);
+  }
+}
+
+// NAME.x, NAME.y and NAME.z are the columns of a probe; other columns are known to the servers only.
+void column_has_its_probe(const std::string& column, const v1::Output& output, const std::string& path,
+                          Review& review) {
+  const std::size_t dot = column.rfind('.');
+  if (dot == std::string::npos || dot + 2 != column.size() || column[dot + 1] < 'x' || column[dot + 1] > 'z') return;
+  const std::string name = column.substr(0, dot);
+  std::vector<std::string> known;
+  for (const v1::Probe& probe : output.probe()) known.push_back(probe.name());
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  review.complain(path, "\"" + column + "\" is the column of a probe, but there is no probe \"" + name + "\"; " +
+                            (known.empty() ? "add probe { name: \"" + name + "\" ... }"
+                                           : suggestion(name, known, "the probes are")));
+}
+
+void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& path, const v1::Scene& scene,
+                              Review& review) {
+  column_has_its_probe(quantity.column(), scene.output(), path + ".column", review);
+  column_has_its_probe(quantity.reference(), scene.output(), path + ".reference", review);
+  if (quantity.kind() == v1::Quantity::PHASE_DELAY && !quantity.has_reference()) {
+    review.complain_missing(path + ".reference",
+                            "is missing, but PHASE_DELAY needs it; name the column that the phase is measured against");
+  }
+  if (quantity.frequency_to() <= quantity.frequency_from()) {
+    const std::string which = quantity.has_frequency_to() ? ".frequency_to" : ".frequency_from";
+    review.complain(path + which, "the range of frequencies ends at " + number_text(quantity.frequency_to()) +
+                                      " Hz but starts at " + number_text(quantity.frequency_from()) +
+                                      " Hz; give a frequency_to above frequency_from");
+  }
+  if (quantity.has_window() && scene.time().has_end() && quantity.window() > scene.time().end()) {
+    review.complain(path + ".window", number_text(quantity.window()) + " s is longer than the run of " +
+                                          number_text(scene.time().end()) + " s; give a shorter window or a later end");
+  }
+}
+
+}  // namespace
+
+void check_output_rules(const v1::Scene& scene, Review& review) {
+  const v1::Output& output = scene.output();
+  results_start_in_time(scene, review);
+  names_differ(output.probe(), "probe", "probe", review);
+  names_differ(output.quantity(), "quantity", "quantity", review);
+  probes_are_on_the_solid(scene, review);
+  for (int i = 0; i < output.quantity_size(); ++i) {
+    quantity_can_be_computed(output.quantity(i), entry("quantity", i), scene, review);
+  }
+}
+
+}  // namespace couplet::scene

@@ -1,0 +1,77 @@
+#include "proto/scene/wording.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+namespace couplet::scene {
+
+namespace {
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+// Letters to insert, delete, replace or swap with their neighbour to turn one word into the other
+// (restricted Damerau-Levenshtein distance, row by row).
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+    before_last = last;
+    last = row;
+  }
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::string number_text(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
+  std::array<char, 32> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  return {digits.data(), end};
+}
+
+std::string either_of(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (i > 0) text += i + 1 == names.size() ? " or " : ", ";
+    text += names[i];
+  }
+  return text;
+}
+
+std::string nearest_name(const std::string& written, const std::vector<std::string>& names) {
+  const std::string word = lower(written.substr(0, 100));
+  std::string nearest;
+  std::size_t smallest = std::max<std::size_t>(1, word.size() / 3) + 1;
+  for (const std::string& name : names) {
+    const std::string candidate = lower(name);
+    const bool is_start = word.size() >= 3 && candidate.compare(0, word.size(), word) == 0;
+    const std::size_t distance = is_start ? 1 : edit_distance(word, candidate);
+    if (distance >= smallest || distance >= candidate.size()) continue;
+    smallest = distance;
+    nearest = name;
+  }
+  return nearest;
+}
+
+std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& what) {
+  const std::string nearest = nearest_name(written, names);
+  if (!nearest.empty()) return "did you mean " + nearest + "?";
+  return what + " " + either_of(names);
+}
+
+}  // namespace couplet::scene

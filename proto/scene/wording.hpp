@@ -1,0 +1,21 @@
+#pragma once
+// How numbers and names read in a complaint.
+
+#include <string>
+#include <vector>
+
+namespace couplet::scene {
+
+/// The shortest text that reads back as the same number: 0.5, 1e-05.
+std::string number_text(double value);
+
+/// `a, b or c`
+std::string either_of(const std::vector<std::string>& names);
+
+/// The name that was probably meant: few letters differ, or it starts with what was written. Empty when none is near.
+std::string nearest_name(const std::string& written, const std::vector<std::string>& names);
+
+/// `did you mean density?` or, when none is near, `WHAT density or viscosity`.
+std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& what);
+
+}  // namespace couplet::scene
