@@ -1,0 +1,77 @@
+#include "deploy/launcher/batch_job.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "deploy/launcher/checked_scene.hpp"
+#include "deploy/launcher/external_program.hpp"
+#include "proto/report/failure.hpp"
+#include "proto/store/run_folder.hpp"
+
+namespace couplet::launcher {
+namespace {
+
+/// A word as the shell reads it back, whatever is in it.
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+std::string full_name(const std::filesystem::path& path) {
+  return std::filesystem::absolute(path).lexically_normal();
+}
+
+std::vector<std::string> run_command(const RunOptions& run, const Installation& installation) {
+  std::vector<std::string> words{installation.program("couplet"), "run", full_name(run.scene), "--out",
+                                 full_name(run.out)};
+  const auto add = [&](const std::string& option, const std::string& value) {
+    words.insert(words.end(), {option, value});
+  };
+  for (const std::string& setting : run.settings) add("--set", setting);
+  if (run.flow_ranks > 1) add("--flow-ranks", std::to_string(run.flow_ranks));
+  if (run.solid_threads > 0) add("--solid-threads", std::to_string(run.solid_threads));
+  if (!run.transport.empty()) add("--transport", run.transport);
+  if (!run.resume.empty()) add("--resume", full_name(run.resume));
+  if (run.steps > 0) add("--steps", std::to_string(run.steps));
+  if (run.force) words.push_back("--force");
+  if (!run.report) words.push_back("--no-report");
+  return words;
+}
+
+}  // namespace
+
+std::string batch_job_text(const BatchOptions& options, const Installation& installation) {
+  const std::string out = full_name(options.run.out);
+  const int n_cpus = options.cpus > 0 ? options.cpus : std::max(2, options.run.flow_ranks + options.run.solid_threads);
+  std::string text = "#!/bin/bash\n";
+  const auto directive = [&](const std::string& line) { text += "#SBATCH --" + line + "\n"; };
+  directive("job-name=couplet-" + options.run.out.filename().string());
+  directive("nodes=1");
+  directive("ntasks=1");
+  directive("cpus-per-task=" + std::to_string(n_cpus));
+  directive("output=" + quoted(out + "/slurm-%j.txt"));
+  directive("signal=B:TERM@60");  // a minute before the time is up the run ends in good order
+  if (!options.partition.empty()) directive("partition=" + options.partition);
+  if (!options.time_limit.empty()) directive("time=" + options.time_limit);
+  text += "exec";
+  for (const std::string& word : run_command(options.run, installation)) text += " " + quoted(word);
+  return text + "\n";
+}
+
+void submit_batch_job(const BatchOptions& options) {
+  read_checked_scene(options.run.scene, options.run.settings);
+  const store::RunFolder folder = store::make_run_folder(options.run.out);
+  const std::string job = full_name(folder.path / "job.sh");
+  store::write_file(job, batch_job_text(options, find_installation()));
+  std::printf("wrote %s\n", job.c_str());
+  if (options.dry_run) return;
+  const ProgramResult result = run_and_catch({"sbatch", job});
+  if (result.exit_code != 0) {
+    throw report::FileError("sbatch", "did not take the job: " + result.errors.substr(0, result.errors.find('\n')),
+                            "mend it, or submit " + job + " yourself");
+  }
+  std::printf("%s", result.output.c_str());
+}
+
+}  // namespace couplet::launcher

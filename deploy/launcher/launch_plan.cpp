@@ -1,0 +1,120 @@
+#include "deploy/launcher/launch_plan.hpp"
+
+#include "proto/report/failure.hpp"
+
+namespace couplet::launcher {
+namespace {
+
+using Words = std::vector<std::string>;
+
+void add(Words& words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+}
+
+Words scene_arguments(const RunOptions& options) {
+  Words words{options.scene.string()};
+  for (const std::string& setting : options.settings) add(words, {"--set", setting});
+  return words;
+}
+
+/// What every program that owns the time loop is told.
+Words run_arguments(const RunOptions& options, const std::filesystem::path& run_folder) {
+  Words words = scene_arguments(options);
+  add(words, {"--out", run_folder.string()});
+  if (!options.resume.empty()) add(words, {"--resume", options.resume.string()});
+  if (options.steps > 0) add(words, {"--steps", std::to_string(options.steps)});
+  if (options.quiet) add(words, {"--quiet"});
+  return words;
+}
+
+Words thread_arguments(const RunOptions& options) {
+  return options.solid_threads > 0 ? Words{"--threads", std::to_string(options.solid_threads)} : Words{};
+}
+
+std::string choose_transport(const v1::Scene& scene, const RunOptions& options) {
+  if (!options.transport.empty()) return options.transport;
+  switch (scene.coupling().transport()) {
+    case v1::ZEROMQ:
+      return "zmq";
+    case v1::MPI:
+      return "mpi";
+    case v1::MEMORY:
+      break;
+  }
+  throw report::SceneError("coupling.transport", "MEMORY joins participants inside one program and cannot join three",
+                           "choose ZEROMQ or MPI, or add --transport zmq");
+}
+
+ProgramStart alone(const std::string& name, Words extra, const RunOptions& options, const Installation& installation,
+                   const std::filesystem::path& run_folder) {
+  Words command{installation.program(name), "run"};
+  add(command, run_arguments(options, run_folder));
+  add(command, extra);
+  return {name, command, {}, {}};
+}
+
+std::string listen_address(const v1::Scene& scene, const std::filesystem::path& socket_folder,
+                           const std::string& name) {
+  return scene.coupling().has_listen() ? scene.coupling().listen() : "ipc://" + (socket_folder / name).string();
+}
+
+LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
+                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder) {
+  LaunchPlan plan;
+  plan.transport = "zmq";
+  for (const std::string name : {"flow", "solid"}) {
+    const std::string program = name + "-server";
+    Words command{installation.program(program), "serve", "--listen", listen_address(scene, socket_folder, name)};
+    add(command, scene_arguments(options));
+    if (name == "solid") add(command, thread_arguments(options));
+    plan.servers.push_back({program, command, {}, "--" + name});
+  }
+  Words command{installation.program("coupler"), "run"};
+  add(command, run_arguments(options, run_folder));
+  plan.leader = {"coupler", command, {}, {}};
+  return plan;
+}
+
+/// One MPMD job. --bind-to none and yielding: the default would put waiting and working processes on the same core.
+LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
+                    const std::filesystem::path& run_folder) {
+  Words command{"mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output", "-n", "1"};
+  add(command, {installation.program("coupler"), "run"});
+  add(command, run_arguments(options, run_folder));
+  add(command, {"--transport", "mpi", ":", "-n", std::to_string(options.flow_ranks)});
+  add(command, {installation.program("flow-server"), "serve", "--transport", "mpi"});
+  add(command, scene_arguments(options));
+  add(command, {":", "-n", "1", installation.program("solid-server"), "serve", "--transport", "mpi"});
+  add(command, scene_arguments(options));
+  add(command, thread_arguments(options));
+  LaunchPlan plan;
+  plan.transport = "mpi";
+  plan.leader = {
+      "mpirun",
+      command,
+      {{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}, {"OMPI_MCA_mpi_yield_when_idle", "1"}},
+      {}};
+  return plan;
+}
+
+}  // namespace
+
+LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
+                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder) {
+  if (scene.has_flow() && options.flow_ranks > 1 && scene.flow().has_glottis()) {
+    throw report::SceneError("--flow-ranks", "one-dimensional flow runs on one rank", "leave --flow-ranks out");
+  }
+  if (!scene.has_flow() && !scene.has_solid()) {
+    throw report::SceneError(options.scene.string(), "the scene has neither flow nor solid",
+                             "name at least one of them");
+  }
+  if (!scene.has_flow()) {
+    return {{}, alone("solid-server", thread_arguments(options), options, installation, run_folder), {}};
+  }
+  if (!scene.has_solid()) return {{}, alone("flow-server", {}, options, installation, run_folder), {}};
+  return choose_transport(scene, options) == "mpi"
+             ? over_mpi(options, installation, run_folder)
+             : over_zeromq(scene, options, installation, run_folder, socket_folder);
+}
+
+}  // namespace couplet::launcher

@@ -1,0 +1,31 @@
+#pragma once
+// Which programs a scene needs, and with which arguments they are started. Nothing is started here.
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "couplet/v1/scene.pb.h"
+#include "deploy/launcher/installation.hpp"
+#include "deploy/launcher/run_options.hpp"
+
+namespace couplet::launcher {
+
+struct ProgramStart {
+  std::string name;  // flow-server, solid-server, coupler; mpirun for all three in one job
+  std::vector<std::string> command;
+  std::map<std::string, std::string> environment;  // added to that of the launcher
+  std::string address_option;  // of a server that is reached by a socket: the leader takes its address with this option
+};
+
+struct LaunchPlan {
+  std::vector<ProgramStart> servers;  // started first; each says `listening ADDRESS`
+  ProgramStart leader;                // its end is the end of the run
+  std::string transport;              // zmq, mpi; empty for a program on its own
+};
+
+/// `socket_folder` is where local sockets may be made. Throws SceneError when scene and options contradict each other.
+LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
+                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder);
+
+}  // namespace couplet::launcher

@@ -1,0 +1,98 @@
+#include "deploy/launcher/run_scene.hpp"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <ctime>
+
+#include "deploy/launcher/checked_scene.hpp"
+#include "deploy/launcher/external_program.hpp"
+#include "deploy/launcher/launch_plan.hpp"
+#include "deploy/launcher/run_summary.hpp"
+#include "deploy/launcher/socket_folder.hpp"
+#include "deploy/launcher/supervisor.hpp"
+#include "proto/report/failure.hpp"
+#include "proto/store/run_folder.hpp"
+
+namespace couplet::launcher {
+namespace {
+
+std::filesystem::path default_folder(const std::filesystem::path& scene) {
+  const std::time_t now = std::time(nullptr);
+  char text[32];
+  std::tm local{};
+  std::strftime(text, sizeof text, "%Y%m%d-%H%M%S", localtime_r(&now, &local));
+  const std::string name = std::filesystem::absolute(scene).parent_path().filename();
+  const std::filesystem::path wanted = std::filesystem::path("runs") / (name + "-" + text);
+  std::filesystem::path free = wanted;
+  for (int n = 2; std::filesystem::exists(free); ++n) free = wanted.string() + "-" + std::to_string(n);
+  return free;
+}
+
+/// A run never overwrites another one unasked.
+store::RunFolder open_folder(const RunOptions& options) {
+  const store::RunFolder folder{options.out.empty() ? default_folder(options.scene) : options.out};
+  std::error_code ignored;
+  const bool holds_run = std::filesystem::exists(folder.summary(), ignored);
+  const bool resumes_it = !options.resume.empty() && std::filesystem::equivalent(folder.path, options.resume, ignored);
+  if (holds_run && !resumes_it && !options.force) {
+    throw report::SceneError("--out " + folder.path.string(), "this folder already holds a run",
+                             "choose another folder, or add --force to replace it");
+  }
+  store::make_run_folder(folder.path);
+  if (holds_run) std::filesystem::remove(folder.summary(), ignored);
+  return folder;
+}
+
+RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, RunConsole& console) {
+  Patience patience;
+  patience.frozen = std::chrono::duration<double>(scene.coupling().heartbeat_deadline());
+  Supervisor supervisor(console, patience);
+  for (const ProgramStart& server : plan.servers) supervisor.start_server(server);
+  ProgramStart leader = plan.leader;
+  for (const ProgramStart& server : plan.servers) {
+    const auto address = supervisor.wait_for_address(server.name);
+    if (!address) return supervisor.end_all();
+    leader.command.insert(leader.command.end(), {server.address_option, *address});
+  }
+  supervisor.start_leader(leader);
+  return supervisor.run_to_end();
+}
+
+void write_report(const store::RunFolder& folder, const Installation& installation, RunConsole& console) {
+  const ProgramResult result =
+      run_and_catch({installation.python, installation.script("deploy/report/report.py"), folder.path.string()});
+  if (result.exit_code == 0) return;
+  console.log("report", result.output + result.errors);
+  console.show("the report could not be written; log.txt says why");
+}
+
+}  // namespace
+
+int run_scene(const RunOptions& options) {
+  const Installation installation = find_installation();
+  const scene::SceneFile file = read_checked_scene(options.scene, options.settings);
+  const SocketFolder sockets;
+  const store::RunFolder folder = open_folder(options);
+  const LaunchPlan plan = plan_launch(file.scene, options, installation, folder.path, sockets.path());
+  RunConsole console(folder.log(), options.quiet);
+  console.show(file.scene.title() + "\n  results in " + folder.path.string());
+
+  const RunEnding ending = start_and_watch(plan, file.scene, console);
+  const Verdict verdict = judge(ending);
+  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested);
+  if (options.report) write_report(folder, installation, console);
+
+  if (!options.quiet) std::printf("%s", summary_table(folder).c_str());
+  if (!options.quiet && options.report) {
+    std::printf("report: %s\n", std::filesystem::absolute(folder.report()).lexically_normal().c_str());
+  }
+  std::fflush(stdout);
+  if (verdict.exit_code != 0) {
+    console.log("couplet", verdict.sentence);
+    std::fprintf(stderr, "%s\n", verdict.sentence.c_str());
+  }
+  return verdict.exit_code;
+}
+
+}  // namespace couplet::launcher

@@ -1,0 +1,200 @@
+#include "deploy/launcher/supervisor.hpp"
+
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "deploy/launcher/mpi_output.hpp"
+#include "deploy/launcher/process_tree.hpp"
+
+namespace couplet::launcher {
+
+Supervisor::Supervisor(RunConsole& console, Patience patience) : console_(console), patience_(patience) {
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&signals, signal);
+  sigprocmask(SIG_BLOCK, &signals, &signals_before_);
+  signal_file_ = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
+}
+
+Supervisor::~Supervisor() {
+  programs_.clear();
+  close(signal_file_);
+  sigprocmask(SIG_SETMASK, &signals_before_, nullptr);
+}
+
+void Supervisor::start_server(const ProgramStart& start) {
+  programs_.push_back({start.name, ChildProcess(start, {}), false, {}, {}});
+}
+
+void Supervisor::start_leader(const ProgramStart& start) {
+  const bool as_terminal = console_.shows_terminal() && start.name != "mpirun";  // mpirun gives terminals itself
+  programs_.push_back({start.name, ChildProcess(start, {as_terminal, as_terminal}), true, {}, {}});
+}
+
+std::optional<std::string> Supervisor::wait_for_address(const std::string& server) {
+  const auto program =
+      std::find_if(programs_.begin(), programs_.end(), [&](const auto& p) { return p.name == server; });
+  const auto deadline = Clock::now() + patience_.start;
+  while (program->address.empty() && ending_.endings.empty() && !ending_.stop_requested) {
+    if (Clock::now() > deadline) {
+      give_up(server + " did not say within " + std::to_string(static_cast<int>(patience_.start.count())) +
+              " s where it listens");
+      return {};
+    }
+    watch_once();
+  }
+  return program->address.empty() ? std::nullopt : std::optional(program->address);
+}
+
+RunEnding Supervisor::run_to_end() {
+  while (any_running()) {
+    watch_once();
+    note_frozen();
+    end_survivors();
+  }
+  return ending_;
+}
+
+RunEnding Supervisor::end_all() {
+  hurry();
+  return run_to_end();
+}
+
+void Supervisor::watch_once() {
+  wait_for_news();
+  read_signals();
+  for (Program& program : programs_) read_lines(program);
+  note_endings();
+}
+
+void Supervisor::wait_for_news() const {
+  std::vector<pollfd> files{{signal_file_, POLLIN, 0}};
+  for (const Program& program : programs_) {
+    for (const int file : {program.process.output(), program.process.errors()}) {
+      if (file >= 0) files.push_back({file, POLLIN, 0});
+    }
+  }
+  poll(files.data(), files.size(), 200);
+}
+
+void Supervisor::read_signals() {
+  signalfd_siginfo signal;
+  while (read(signal_file_, &signal, sizeof signal) == sizeof signal) {
+    if (signal.ssi_signo != SIGCHLD) pass_on_stop_request();
+  }
+}
+
+/// The program that owns time ends in good order after its step; asked again, all are told to end at once.
+void Supervisor::pass_on_stop_request() {
+  if (ending_.stop_requested) return hurry();
+  ending_.stop_requested = true;
+  console_.show("stopping after this step; once more to stop at once");
+  console_.log("couplet", "asked to stop");
+  const auto leader = std::find_if(programs_.begin(), programs_.end(), [](const Program& p) { return p.is_leader; });
+  if (leader == programs_.end() || !leader->process.is_running()) return hurry();
+  if (leader->name != "mpirun") return leader->process.send_signal(SIGTERM);
+  for (const ProcessState& process : process_tree(leader->process.pid())) {
+    if (process.name == "coupler") kill(process.pid, SIGTERM);
+  }
+}
+
+void Supervisor::read_lines(Program& program) {
+  for (OutputLine& line : program.process.read_output()) hear(program, std::move(line), false);
+  for (OutputLine& line : program.process.read_errors()) hear(program, std::move(line), true);
+}
+
+void Supervisor::hear(Program& program, OutputLine line, bool is_error) {
+  std::string speaker = program.name;
+  if (speaker == "mpirun") speaker = take_mpi_tag(line.text);
+  const bool is_for_user = program.is_leader && (speaker == program.name || speaker == "rank 0");
+  if (line.is_update) {
+    if (is_for_user) console_.update(line.text);
+    return;
+  }
+  if (line.text.empty()) return;
+  console_.log(speaker, line.text);
+  const std::string greeting = "listening ";
+  if (!is_error && line.text.starts_with(greeting)) program.address = line.text.substr(greeting.size());
+  if (is_last_word(line.text)) {
+    program.last_words = line.text;  // said at the end of the run, after everything else
+  } else if (is_for_user && speaker != "mpirun") {
+    console_.show(line.text);
+  }
+}
+
+void Supervisor::note_endings() {
+  for (Program& program : programs_) {
+    if (!program.process.is_running()) continue;
+    program.process.look();
+    if (program.process.is_running()) continue;
+    read_lines(program);
+    const Ending end = *program.process.ending();
+    ending_.endings.push_back({program.name, end, program.is_leader, program.was_asked, program.last_words});
+    console_.log("couplet", program.name + (end.by_signal ? " was ended by signal " : " ended with code ") +
+                                std::to_string(end.code));
+    if (program.is_leader || end.by_signal || end.code != 0) first_loss_ = first_loss_.value_or(Clock::now());
+  }
+}
+
+void Supervisor::note_frozen() {
+  const auto now = Clock::now();
+  if (now - last_frozen_look_ < std::chrono::milliseconds(500)) return;
+  last_frozen_look_ = now;
+  std::map<pid_t, Clock::time_point> still_frozen;
+  for (const Program& program : programs_) {
+    if (!program.process.is_running()) continue;
+    for (const ProcessState& process : process_tree(program.process.pid())) {
+      if (!process.is_frozen) continue;
+      const auto known = frozen_since_.find(process.pid);
+      const auto since = known == frozen_since_.end() ? now : known->second;
+      still_frozen[process.pid] = since;
+      if (now - since > patience_.frozen) give_up(process.name + " was stopped by a signal and did not continue");
+    }
+  }
+  frozen_since_ = std::move(still_frozen);
+}
+
+void Supervisor::give_up(const std::string& why) {
+  if (ending_.stuck.empty()) console_.log("couplet", why);
+  if (ending_.stuck.empty()) ending_.stuck = why;
+  first_loss_ = first_loss_.value_or(Clock::now());
+}
+
+void Supervisor::hurry() {
+  first_loss_ = Clock::now() - std::chrono::duration_cast<Clock::duration>(patience_.ask);
+}
+
+void Supervisor::end_survivors() {
+  if (!first_loss_ || !any_running()) return;
+  const auto waited = Clock::now() - *first_loss_;
+  if (waited > patience_.ask && !were_asked_) {
+    were_asked_ = true;
+    signal_all(SIGTERM);
+    signal_all(SIGCONT);  // a frozen program hears only then
+  }
+  if (waited > patience_.kill && !were_killed_) {
+    were_killed_ = true;
+    signal_all(SIGKILL);
+  }
+}
+
+void Supervisor::signal_all(int signal) {
+  for (Program& program : programs_) {
+    if (!program.process.is_running()) continue;
+    program.was_asked = true;
+    const auto tree = process_tree(program.process.pid());
+    program.process.send_signal(signal);
+    if (signal == SIGTERM) continue;  // mpirun passes it on in good order
+    for (const ProcessState& process : tree) kill(process.pid, signal);
+  }
+}
+
+bool Supervisor::any_running() const {
+  return std::any_of(programs_.begin(), programs_.end(), [](const Program& p) { return p.process.is_running(); });
+}
+
+}  // namespace couplet::launcher
