@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
 
 #include "deploy/launcher/checked_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
@@ -14,8 +15,15 @@ namespace {
 /// A word as the shell reads it back, whatever is in it.
 std::string quoted(const std::string& word) {
   std::string text = "'";
-  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return text + "'";
+  for (const char c : word) {
+    if (c == '\'') {
+      text.append("'\\''");
+    } else {
+      text.push_back(c);
+    }
+  }
+  text.push_back('\'');
+  return text;
 }
 
 std::string full_name(const std::filesystem::path& path) {
@@ -44,19 +52,17 @@ std::vector<std::string> run_command(const RunOptions& run, const Installation& 
 std::string batch_job_text(const BatchOptions& options, const Installation& installation) {
   const std::string out = full_name(options.run.out);
   const int n_cpus = options.cpus > 0 ? options.cpus : std::max(2, options.run.flow_ranks + options.run.solid_threads);
-  std::string text = "#!/bin/bash\n";
-  const auto directive = [&](const std::string& line) { text += "#SBATCH --" + line + "\n"; };
-  directive("job-name=couplet-" + options.run.out.filename().string());
-  directive("nodes=1");
-  directive("ntasks=1");
-  directive("cpus-per-task=" + std::to_string(n_cpus));
-  directive("output=" + quoted(out + "/slurm-%j.txt"));
-  directive("signal=B:TERM@60");  // a minute before the time is up the run ends in good order
-  if (!options.partition.empty()) directive("partition=" + options.partition);
-  if (!options.time_limit.empty()) directive("time=" + options.time_limit);
-  text += "exec";
-  for (const std::string& word : run_command(options.run, installation)) text += " " + quoted(word);
-  return text + "\n";
+  std::ostringstream text;
+  text << "#!/bin/bash\n#SBATCH --job-name=couplet-" << options.run.out.filename().string()
+       << "\n#SBATCH --nodes=1\n#SBATCH --ntasks=1\n#SBATCH --cpus-per-task=" << n_cpus
+       << "\n#SBATCH --output=" << quoted(out + "/slurm-%j.txt")
+       << "\n#SBATCH --signal=B:TERM@60\n";  // a minute before the time is up the run ends in good order
+  if (!options.partition.empty()) text << "#SBATCH --partition=" << options.partition << "\n";
+  if (!options.time_limit.empty()) text << "#SBATCH --time=" << options.time_limit << "\n";
+  text << "exec";
+  for (const std::string& word : run_command(options.run, installation)) text << ' ' << quoted(word);
+  text << "\n";
+  return text.str();
 }
 
 void submit_batch_job(const BatchOptions& options) {

@@ -39,8 +39,9 @@ std::vector<Estimate> ask(const std::string& program, const std::filesystem::pat
     throw report::SceneError(scene.string(), program + " cannot estimate this scene: " + result.errors);
   }
   std::vector<Estimate> estimates;
-  for (const auto& row : nlohmann::json::parse(result.output)) {
-    estimates.push_back({program, row.at("name"), row.value("unit", "1"), row.at("value")});
+  const auto numbers = nlohmann::ordered_json::parse(result.output);
+  for (const auto& [name, number] : numbers.items()) {
+    if (number.at("value").is_number()) estimates.push_back({program, name, number.at("unit"), number.at("value")});
   }
   return estimates;
 }

@@ -1,6 +1,7 @@
 #include "deploy/launcher/launch_plan.hpp"
 
 #include "proto/report/failure.hpp"
+#include "proto/scene/wording.hpp"
 
 namespace couplet::launcher {
 namespace {
@@ -64,8 +65,12 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
   plan.transport = "zmq";
   for (const std::string name : {"flow", "solid"}) {
     const std::string program = name + "-server";
-    Words command{installation.program(program), "serve", "--listen", listen_address(scene, socket_folder, name)};
+    Words command{installation.program(program), "serve"};
     add(command, scene_arguments(options));
+    add(command, {"--listen", listen_address(scene, socket_folder, name)});
+    add(command, {"--heartbeat", scene::number_text(scene.coupling().heartbeat_deadline())});
+    if (scene.coupling().has_listen())
+      add(command, {"--allow-remote"});  // the scene names the address: that is the permission
     if (name == "solid") add(command, thread_arguments(options));
     plan.servers.push_back({program, command, {}, "--" + name});
   }
