@@ -96,7 +96,8 @@ class FieldCheck {
     const v1::Limits& limits = entry.field.options().GetExtension(v1::limits);
     const std::string wrong = outside(limits, number);
     if (wrong.empty()) return;
-    const std::string what = limits.has_remedy() ? limits.remedy() : "give a value " + range_text(entry.field);
+    const std::string what =
+        limits.has_remedy() ? limits.remedy() : "give a value " + range_text(entry.field) + unit_text(entry.field);
     review_.complain(path, number_text(number) + " is not " + wrong + "; " + what);
   }
 

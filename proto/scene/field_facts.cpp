@@ -37,7 +37,7 @@ std::string range_text(const FieldDescriptor& field) {
   if (limits.has_at_most()) sides.push_back("at most " + number_text(limits.at_most()));
   std::string text;
   for (const std::string& side : sides) text += (text.empty() ? "" : " and ") + side;
-  return text.empty() ? "" : text + unit_text(field);
+  return text;
 }
 
 bool is_message(const FieldDescriptor& field) {

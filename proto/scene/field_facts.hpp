@@ -20,7 +20,7 @@ std::vector<std::string> member_names(const OneofDescriptor& choice);
 /// Unit of a number with a space in front, ` kg/m^3`; empty for a number without one.
 std::string unit_text(const FieldDescriptor& field);
 
-/// Allowed range with the unit, `above 0 kg/m^3` or `at least 0 and below 1`; empty without limits.
+/// Allowed range without the unit, `above 0` or `at least 0 and below 1`; empty without limits.
 std::string range_text(const FieldDescriptor& field);
 
 /// What a user should write: `give it in kg/m^3`, `choose B1, B2, M1 or M2`, `give fluid { ... }: the fluid`.

@@ -35,8 +35,9 @@ void glottis_knows_its_folds(const v1::Scene& scene, Review& review) {
                             "is missing; give in m the position y of the plane midway between the folds");
   }
   if (!glottis.has_exit_line()) {
-    review.complain_missing(glottis_path + ".exit_line",
-                            "is missing; give the material line of the exit, for example exit_line { marker: \"C2\" }");
+    review.complain_missing(
+        glottis_path + ".exit_line",
+        "is missing; give the material line of the exit, for example exit_line { marker: \"superior_fillet_middle\" }");
   }
   if (glottis.model() == v1::Glottis::M2 && glottis.has_model() && !glottis.has_entrance_start()) {
     review.complain_missing(

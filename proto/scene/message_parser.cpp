@@ -34,7 +34,7 @@ bool MessageParser::parse_value_of(const FieldDescriptor& field, Message& messag
   if (start.is("[")) {
     parse_list(field, start, message, tree);
   } else if (cursor_.starts_scalar() || start.opens()) {
-    parse_value(field, start, message, tree);
+    parse_value(field, start, false, message, tree);
   } else {
     refuse(field, start, tree, "has no value; " + remedy(field));
   }
@@ -112,7 +112,7 @@ void MessageParser::parse_known_field(const FieldDescriptor& field, const Token&
     if (needs_colon && !has_colon) {
       cursor_.complain(name, path, "has no colon; write " + name.word + ": " + cursor_.now().word);
     }
-    is_list ? parse_list(field, name, message, tree) : parse_value(field, name, message, tree);
+    is_list ? parse_list(field, name, message, tree) : parse_value(field, name, false, message, tree);
   }
   end_field(name, path, message, true);
 }
@@ -157,7 +157,8 @@ bool MessageParser::may_be_given(const FieldDescriptor& field, const Token& name
   return true;
 }
 
-void MessageParser::parse_value(const FieldDescriptor& field, const Token& at, Message& message, FieldTree& tree) {
+void MessageParser::parse_value(const FieldDescriptor& field, const Token& at, bool in_list, Message& message,
+                                FieldTree& tree) {
   const bool is_block = cursor_.now().opens();
   if (is_message(field) && is_block) {
     parse_block(field, at, message, tree);
@@ -166,7 +167,7 @@ void MessageParser::parse_value(const FieldDescriptor& field, const Token& at, M
            (is_block ? "is a single value and no block; " : "is a block and no single value; ") + remedy(field));
     cursor_.skip_value(tree.path_to(field.name()));
   } else {
-    parse_scalar(field, at, message, tree);
+    parse_scalar(field, at, in_list, message, tree);
   }
 }
 
@@ -182,7 +183,7 @@ void MessageParser::parse_list(const FieldDescriptor& field, const Token& name, 
   while (!cursor_.now().is("]") && !breaks_off()) {
     const Token entry = cursor_.now();
     if (entry.opens() || cursor_.starts_scalar()) {
-      parse_value(field, entry, message, tree);
+      parse_value(field, entry, true, message, tree);
     } else {
       cursor_.complain(entry, path, "an entry should stand here, not " + entry.word + "; write [A, B, C]");
       tree.remember_unreadable(field.name(), cursor_.place_of(entry));
@@ -223,10 +224,11 @@ void MessageParser::parse_block(const FieldDescriptor& field, const Token& at, M
   cursor_.advance(inner_tree.path);
 }
 
-void MessageParser::parse_scalar(const FieldDescriptor& field, const Token& at, Message& message, FieldTree& tree) {
+void MessageParser::parse_scalar(const FieldDescriptor& field, const Token& at, bool in_list, Message& message,
+                                 FieldTree& tree) {
   const std::string path = path_of_next(field, tree);
   ScalarText value;
-  if (!cursor_.read_scalar(path, value)) {
+  if (!cursor_.read_scalar(path, in_list, value)) {
     tree.remember_unreadable(field.name(), cursor_.place_of(at));
     return;
   }

@@ -44,10 +44,10 @@ class MessageParser {
   void parse_known_field(const FieldDescriptor& field, const Token& name, Message& message, FieldTree& tree);
   void parse_unknown_field(const Token& name, Message& message, FieldTree& tree);
   bool may_be_given(const FieldDescriptor& field, const Token& name, const FieldTree& tree);
-  void parse_value(const FieldDescriptor& field, const Token& at, Message& message, FieldTree& tree);
+  void parse_value(const FieldDescriptor& field, const Token& at, bool in_list, Message& message, FieldTree& tree);
   void parse_list(const FieldDescriptor& field, const Token& name, Message& message, FieldTree& tree);
   void parse_block(const FieldDescriptor& field, const Token& at, Message& message, FieldTree& tree);
-  void parse_scalar(const FieldDescriptor& field, const Token& at, Message& message, FieldTree& tree);
+  void parse_scalar(const FieldDescriptor& field, const Token& at, bool in_list, Message& message, FieldTree& tree);
   void refuse(const FieldDescriptor& field, const Token& at, FieldTree& tree, const std::string& sentence);
   void end_field(const Token& name, const std::string& path, const Message& message, bool is_known);
 

@@ -14,7 +14,7 @@ std::string entry(const std::string& list, int index) {
 
 void results_start_in_time(const v1::Scene& scene, Review& review) {
   const v1::Output& output = scene.output();
-  if (!output.has_results_start() || !scene.time().has_end() || output.results_start() <= scene.time().end()) return;
+  if (!output.has_results_start() || !(scene.time().end() > 0) || output.results_start() <= scene.time().end()) return;
   review.complain("output.results_start", number_text(output.results_start()) + " s is after the end of the run, " +
                                               number_text(scene.time().end()) + " s; give an earlier time");
 }
@@ -68,7 +68,7 @@ void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& p
                                       " Hz but starts at " + number_text(quantity.frequency_from()) +
                                       " Hz; give a frequency_to above frequency_from");
   }
-  if (quantity.has_window() && scene.time().has_end() && quantity.window() > scene.time().end()) {
+  if (quantity.has_window() && scene.time().end() > 0 && quantity.window() > scene.time().end()) {
     review.complain(path + ".window", number_text(quantity.window()) + " s is longer than the run of " +
                                           number_text(scene.time().end()) + " s; give a shorter window or a later end");
   }

@@ -15,7 +15,7 @@ void something_is_computed(const v1::Scene& scene, Review& review) {
 }
 
 void step_fits_into_the_run(const v1::Time& time, Review& review) {
-  if (!time.has_step() || !time.has_end() || !(time.step() > time.end())) return;
+  if (!(time.end() > 0) || !(time.step() > time.end())) return;
   review.complain("time.step", number_text(time.step()) + " s is longer than the run of " + number_text(time.end()) +
                                    " s; give a shorter step or a later end");
 }

@@ -40,7 +40,7 @@ void TokenCursor::advance(const std::string& path) {
   if (position_ + 1 < tokens_.size()) ++position_;
 }
 
-bool TokenCursor::read_scalar(const std::string& path, ScalarText& value) {
+bool TokenCursor::read_scalar(const std::string& path, bool in_list, ScalarText& value) {
   const Token sign = now();
   value.is_negative = sign.is("-");
   if (value.is_negative) advance(path);
@@ -53,10 +53,11 @@ bool TokenCursor::read_scalar(const std::string& path, ScalarText& value) {
   value.word = now().word;
   if (value.kind == Token::text) {
     value.word.clear();
-    for (; now().kind == Token::text; advance(path)) {
+    do {
       is_readable = is_readable && now().faults.empty();
       Tokenizer::ParseStringAppend(now().word, &value.word);
-    }
+      advance(path);
+    } while (now().kind == Token::text && !in_list);
   } else {
     advance(path);
   }
@@ -72,7 +73,7 @@ void TokenCursor::skip_value(const std::string& path) {
     if (now().is("]")) advance(path);
   } else if (now().is("-") || now().kind == Token::text) {
     ScalarText ignored;
-    read_scalar(path, ignored);
+    read_scalar(path, false, ignored);
   } else if (!now().closes()) {
     advance(path);
   }

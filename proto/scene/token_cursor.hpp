@@ -27,8 +27,9 @@ class TokenCursor {
 
   /// `path` is the field that complaints about unreadable words name.
   void advance(const std::string& path);
-  /// Reads one value; false when some of it was unreadable (and complained about).
-  bool read_scalar(const std::string& path, ScalarText& value);
+  /// Reads one value; false when some of it was unreadable (and complained about). Texts one behind the other are one
+  /// value, but not in a list, where a comma is missing between them.
+  bool read_scalar(const std::string& path, bool in_list, ScalarText& value);
   /// Passes over a value, a block (the cursor stands on its opening brace), the words up to the end of the line.
   void skip_value(const std::string& path);
   void skip_block(const std::string& path);

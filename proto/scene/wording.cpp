@@ -40,7 +40,7 @@ std::string number_text(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
   std::array<char, 32> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general).ptr;
   return {digits.data(), end};
 }
 
@@ -59,19 +59,22 @@ std::string nearest_name(const std::string& written, const std::vector<std::stri
   std::size_t smallest = std::max<std::size_t>(1, word.size() / 3) + 1;
   for (const std::string& name : names) {
     const std::string candidate = lower(name);
-    const bool is_start = word.size() >= 3 && candidate.compare(0, word.size(), word) == 0;
-    const std::size_t distance = is_start ? 1 : edit_distance(word, candidate);
-    if (distance >= smallest || distance >= candidate.size()) continue;
+    const bool is_start = word.size() >= 3 && candidate.starts_with(word);
+    const std::size_t distance =
+        is_start ? std::min<std::size_t>(1, candidate.size() - word.size()) : edit_distance(word, candidate);
+    if (distance > smallest || distance >= candidate.size()) continue;
+    nearest = distance == smallest ? "" : name;
     smallest = distance;
-    nearest = name;
   }
   return nearest;
 }
 
-std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& what) {
+std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& all) {
   const std::string nearest = nearest_name(written, names);
   if (!nearest.empty()) return "did you mean " + nearest + "?";
-  return what + " " + either_of(names);
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? " " : ", ") + name;
+  return all + list;
 }
 
 }  // namespace couplet::scene

@@ -12,10 +12,11 @@ std::string number_text(double value);
 /// `a, b or c`
 std::string either_of(const std::vector<std::string>& names);
 
-/// The name that was probably meant: few letters differ, or it starts with what was written. Empty when none is near.
+/// The name that was probably meant: few letters differ, or it starts with what was written. Empty when none is near,
+/// or several are equally near.
 std::string nearest_name(const std::string& written, const std::vector<std::string>& names);
 
-/// `did you mean density?` or, when none is near, `WHAT density or viscosity`.
-std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& what);
+/// `did you mean density?` or, when none is near, `ALL density, viscosity`.
+std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& all);
 
 }  // namespace couplet::scene
