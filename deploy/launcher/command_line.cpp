@@ -161,10 +161,10 @@ Words verb_names(const CLI::App& app) {
 /// One line for a command line that CLI11 refuses, with the nearest option where an unknown one was given.
 report::SceneError refusal(const CLI::App& app, const CLI::ParseError& error, const Words& arguments) {
   const auto chosen = app.get_subcommands();
-  const std::string verb = chosen.empty() ? "couplet" : "couplet " + chosen.front()->get_name();
+  const std::string verb = chosen.empty() ? "" : chosen.front()->get_name();
   std::string sentence = error.what();
   std::replace(sentence.begin(), sentence.end(), '\n', ' ');
-  if (error.get_name() == "ExtrasError" && !chosen.empty()) {
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && !chosen.empty()) {
     Words options;
     for (const CLI::Option* option : chosen.front()->get_options()) options.push_back(option->get_name());
     for (const std::string& argument : arguments) {
@@ -173,7 +173,7 @@ report::SceneError refusal(const CLI::App& app, const CLI::ParseError& error, co
       return {verb, "there is no option " + written, scene::suggestion(written, options, "the options are")};
     }
   }
-  return {verb, sentence, "`" + verb + " --help` shows what there is"};
+  return {verb, sentence, "`couplet " + verb + (verb.empty() ? "" : " ") + "--help` shows what there is"};
 }
 
 }  // namespace

@@ -1,0 +1,137 @@
+// What a scene names is launched, and nothing else.
+
+#include "deploy/launcher/launch_plan.hpp"
+
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "proto/report/failure.hpp"
+
+namespace couplet::launcher {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::SizeIs;
+
+class LaunchPlanTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    programs_ = std::filesystem::path(testing::TempDir()) / "launch_plan_programs";
+    std::filesystem::create_directories(programs_);
+    for (const char* name : {"coupler", "flow-server", "solid-server"}) std::ofstream(programs_ / name) << "program";
+    options_.scene = "scene.txtpb";
+  }
+
+  LaunchPlan plan() const {
+    return plan_launch(scene_, options_, {programs_, "/sources", "python3"}, "/run", "/sockets");
+  }
+
+  std::filesystem::path programs_;
+  v1::Scene scene_;
+  RunOptions options_;
+};
+
+TEST_F(LaunchPlanTest, CoupledSceneNeedsTwoServersAndTheCoupler) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  const LaunchPlan found = plan();
+  ASSERT_THAT(found.servers, SizeIs(2));
+  EXPECT_EQ(found.servers[0].name, "flow-server");
+  EXPECT_EQ(found.servers[0].address_option, "--flow");
+  EXPECT_EQ(found.servers[1].name, "solid-server");
+  EXPECT_EQ(found.servers[1].address_option, "--solid");
+  EXPECT_EQ(found.leader.name, "coupler");
+}
+
+TEST_F(LaunchPlanTest, SolidOnlySceneStartsTheSolidServerAlone) {
+  scene_.mutable_solid();
+  options_.solid_threads = 3;
+  const LaunchPlan found = plan();
+  EXPECT_THAT(found.servers, IsEmpty());
+  EXPECT_THAT(found.leader.command, ElementsAre((programs_ / "solid-server").string(), "run", "scene.txtpb", "--out",
+                                                "/run", "--threads", "3"));
+}
+
+TEST_F(LaunchPlanTest, FlowOnlySceneStartsTheFlowServerAlone) {
+  scene_.mutable_flow();
+  const LaunchPlan found = plan();
+  EXPECT_THAT(found.servers, IsEmpty());
+  EXPECT_THAT(found.leader.command,
+              ElementsAre((programs_ / "flow-server").string(), "run", "scene.txtpb", "--out", "/run"));
+}
+
+TEST_F(LaunchPlanTest, SceneWithNeitherFlowNorSolidIsRefused) {
+  EXPECT_THROW(plan(), report::SceneError);
+}
+
+TEST_F(LaunchPlanTest, EverySettingReachesEveryProgram) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  options_.settings = {"time.step=1e-5", "title=two words"};
+  for (const ProgramStart& start : {plan().servers[0], plan().servers[1], plan().leader}) {
+    EXPECT_THAT(start.command, Contains("time.step=1e-5")) << start.name;
+    EXPECT_THAT(start.command, Contains("title=two words")) << start.name;
+  }
+}
+
+TEST_F(LaunchPlanTest, ServersAreReachedOnThisMachineOnlyUnlessTheSceneSaysOtherwise) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  EXPECT_THAT(plan().servers[0].command, Contains("ipc:///sockets/flow"));
+  EXPECT_THAT(plan().servers[0].command, Not(Contains("--allow-remote")));
+  scene_.mutable_coupling()->set_listen("tcp://10.0.0.5:*");
+  EXPECT_THAT(plan().servers[0].command, Contains("tcp://10.0.0.5:*"));
+  EXPECT_THAT(plan().servers[0].command, Contains("--allow-remote"));
+}
+
+TEST_F(LaunchPlanTest, MpiIsOneJobOfThreePrograms) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  options_.transport = "mpi";
+  const LaunchPlan found = plan();
+  EXPECT_THAT(found.servers, IsEmpty());
+  EXPECT_EQ(found.leader.command.front(), "mpirun");
+  for (const char* name : {"coupler", "flow-server", "solid-server"}) {
+    EXPECT_THAT(found.leader.command, Contains((programs_ / name).string()));
+  }
+}
+
+TEST_F(LaunchPlanTest, TransportOnTheCommandLineWinsOverTheScene) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  scene_.mutable_coupling()->set_transport(v1::MPI);
+  EXPECT_EQ(plan().transport, "mpi");
+  options_.transport = "zmq";
+  EXPECT_EQ(plan().transport, "zmq");
+}
+
+TEST_F(LaunchPlanTest, MemoryTransportIsRefusedWithWhatToChooseInstead) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  scene_.mutable_coupling()->set_transport(v1::MEMORY);
+  try {
+    plan();
+    FAIL() << "was not refused";
+  } catch (const report::SceneError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("choose ZEROMQ or MPI"));
+  }
+}
+
+TEST_F(LaunchPlanTest, MissingProgramIsNamed) {
+  scene_.mutable_solid();
+  std::filesystem::remove(programs_ / "solid-server");
+  try {
+    plan();
+    FAIL() << "was not noticed";
+  } catch (const report::FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("solid-server: this program is missing"));
+  }
+}
+
+}  // namespace
+}  // namespace couplet::launcher
