@@ -1,0 +1,116 @@
+#include "solid-server/dynamics/central_difference.hpp"
+
+#include <cmath>
+
+#include "proto/report/failure.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+constexpr Eigen::Index width = NodeVectors::ColsAtCompileTime;
+
+[[gnu::always_inline]] inline NodeQuad quad(const double* values, Eigen::Index node) {
+  return load_quad(values + width * node);
+}
+
+[[gnu::always_inline]] inline void put(const NodeQuad& value, double* values, Eigen::Index node) {
+  std::memcpy(values + width * node, &value, sizeof value);
+}
+
+}  // namespace
+
+CentralDifference::CentralDifference(NodalForce& force, NodeVectors inverse_mass, Damping damping,
+                                     std::vector<KickVelocity> kicks, WorkTeam& team)
+    : force_(force), inverse_mass_(std::move(inverse_mass)), damping_(damping), kicks_(std::move(kicks)), team_(team) {
+  std::stable_sort(kicks_.begin(), kicks_.end(),
+                   [](const KickVelocity& a, const KickVelocity& b) { return a.time < b.time; });
+  for (KickVelocity& kick : kicks_) kick.velocity.array() *= (inverse_mass_.array() > 0).cast<double>();
+}
+
+void CentralDifference::advance(const Motion& from, double duration, int n_substeps,
+                                const surface::NodeArray& interface_force, Motion& to) {
+  plan(from, duration, n_substeps, to);
+  force_.forget_inverted();
+  force_.set_interface_load(from.has_interface_force ? from.interface_force : interface_force, interface_force);
+  if (!from.has_interface_force) to.force = from.force + force_.interface_load_at_start();
+  const double* first_force = (from.has_interface_force ? from.force : to.force).data();
+
+  team_.run([&](int member) {
+    const Share nodes = share_of(static_cast<int>(inverse_mass_.rows()), member, team_.n_members());
+    start(from, first_force, substeps_.front(), nodes, to);
+    for (int k = 0; k < n_substeps; ++k) {
+      const bool is_last = k == n_substeps - 1;
+      const auto& substep = substeps_[static_cast<std::size_t>(k)];
+      team_.barrier();
+      force_.write_parts(member, team_.n_members(), to.displacement.data(),
+                         {substep.end, static_cast<double>(k + 1) / n_substeps, is_last});
+      team_.barrier();
+      if (force_.inverted_element() >= 0) return;
+      if (is_last)
+        finish(substep, nodes, to);
+      else
+        turn(substep, substeps_[static_cast<std::size_t>(k) + 1], nodes, to);
+    }
+  });
+  to.time = from.time + duration;
+  to.interface_force = interface_force;
+  to.has_interface_force = true;
+}
+
+/// Damping factors and kicks of the substeps.
+void CentralDifference::plan(const Motion& from, double duration, int n_substeps, Motion& to) {
+  h_ = duration / n_substeps;
+  substeps_.resize(static_cast<std::size_t>(n_substeps));
+  to.n_kicks_done = from.n_kicks_done;
+  for (int k = 0; k < n_substeps; ++k) {
+    Substep& substep = substeps_[static_cast<std::size_t>(k)];
+    const double begin = from.time + k * h_;
+    substep.end = from.time + (k + 1) * h_;
+    substep.damping_factor = std::exp(-damping_.at(begin + h_ / 2) * h_ / 2);
+    substep.kick = nullptr;
+    const auto next = static_cast<std::size_t>(to.n_kicks_done);
+    if (next < kicks_.size() && kicks_[next].time <= begin + h_ / 2) {
+      substep.kick = kicks_[next].velocity.data();
+      ++to.n_kicks_done;
+    }
+  }
+}
+
+void CentralDifference::start(const Motion& from, const double* force, const Substep& next, Share nodes,
+                              Motion& to) const {
+  const double d = next.damping_factor;
+  for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
+    NodeQuad v = quad(from.velocity.data(), n);
+    if (next.kick) v += quad(next.kick, n);
+    v = d * v + (h_ / 2) * (quad(force, n) * quad(inverse_mass_.data(), n));
+    put(v, to.velocity.data(), n);
+    put(quad(from.displacement.data(), n) + h_ * v, to.displacement.data(), n);
+  }
+}
+
+/// The end of one substep and the start of the next.
+void CentralDifference::turn(const Substep& last, const Substep& next, Share nodes, Motion& to) const {
+  const double d_last = last.damping_factor, d_next = next.damping_factor;
+  double* const velocity = to.velocity.data();
+  double* const displacement = to.displacement.data();
+  for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
+    const NodeQuad change = (h_ / 2) * (force_.at(static_cast<Index>(n)) * quad(inverse_mass_.data(), n));
+    NodeQuad v = d_last * (quad(velocity, n) + change);
+    if (next.kick) v += quad(next.kick, n);
+    v = d_next * v + change;
+    put(v, velocity, n);
+    put(quad(displacement, n) + h_ * v, displacement, n);
+  }
+}
+
+void CentralDifference::finish(const Substep& last, Share nodes, Motion& to) const {
+  for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
+    const NodeQuad force = force_.at(static_cast<Index>(n));
+    const NodeQuad change = (h_ / 2) * (force * quad(inverse_mass_.data(), n));
+    put(last.damping_factor * (quad(to.velocity.data(), n) + change), to.velocity.data(), n);
+    put(force, to.force.data(), n);
+  }
+}
+
+}  // namespace couplet::solid

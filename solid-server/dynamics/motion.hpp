@@ -1,0 +1,35 @@
+#pragma once
+// The state of a body in motion, and what changes it besides forces.
+
+#include <algorithm>
+
+#include "proto/surface/surface_mesh.hpp"
+#include "solid-server/element/element_packs.hpp"
+
+namespace couplet::solid {
+
+/// Displacement, velocity and force at the same time: the complete state of the central difference method.
+struct Motion {
+  double time = 0;                     // [s]
+  NodeVectors displacement, velocity;  // (n_nodes, 4) [m] [m/s]
+  NodeVectors force;                   // all forces on the nodes, interface load included (n_nodes, 4) [N]
+  surface::NodeArray interface_force;  // (n wetted nodes, 3) [N]
+  bool has_interface_force = false;    // false before the first step: its load is then taken as constant
+  int n_kicks_done = 0;
+};
+
+/// Force per mass and velocity [1/s]: that of the body, and more of it until the body has settled.
+struct Damping {
+  double of_body = 0;                    // [1/s]
+  double until = 0, while_settling = 0;  // [s] [1/s]
+
+  double at(double time) const { return of_body + (time < until ? while_settling : 0); }
+};
+
+/// Velocities that are added once.
+struct KickVelocity {
+  double time = 0;       // [s]
+  NodeVectors velocity;  // (n_nodes, 4) [m/s], zero where a support holds the node
+};
+
+}  // namespace couplet::solid

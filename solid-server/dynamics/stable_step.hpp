@@ -1,0 +1,19 @@
+#pragma once
+// The largest stable step of the central difference method.
+
+#include <functional>
+
+#include "solid-server/element/element_packs.hpp"
+
+namespace couplet::solid {
+
+/// 2 / omega_max [s], where omega_max^2 is the largest eigenvalue of M^-1 K, K = - d(internal force)/du at
+/// `displacement`. A Lanczos iteration on M^-1/2 K M^-1/2 from a fixed start vector, with K applied as a difference of
+/// two forces [Golub, Van Loan 2013, 10.1]; the eigenvalue returned is the Ritz value plus its residual, so that the
+/// step errs on the small side. `extra_rate_squared` [1/s^2] is added to the eigenvalue (a bound for contact). Same
+/// input, same bits.
+double stable_step(const std::function<NodeVectors(const NodeVectors&)>& internal_force,
+                   const NodeVectors& displacement, const NodeVectors& inverse_mass, double smallest_length,
+                   double extra_rate_squared);
+
+}  // namespace couplet::solid

@@ -1,0 +1,27 @@
+#include "solid-server/element/deformation.hpp"
+
+#include <Eigen/LU>
+
+#include "solid-server/element/hex20.hpp"
+
+namespace couplet::solid {
+
+ReferencePoint reference_point(const ElementVectors& position, const QuadraturePoint& point) {
+  const auto natural = hex20::shape_gradient(point.xi);
+  const Eigen::Matrix3d jacobian = position.transpose() * natural;  // dX_J/dxi_k, (J, k)
+  ReferencePoint out;
+  out.inverse_jacobian = jacobian.inverse();
+  out.volume = jacobian.determinant() * point.weight;
+  out.gradient = natural * out.inverse_jacobian;
+  return out;
+}
+
+Tensor<double> deformation_gradient(const ElementVectors& displacement, const ReferencePoint& point) {
+  const Eigen::Matrix3d gradient = displacement.transpose() * point.gradient;
+  Tensor<double> F;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) F.at[i][j] = gradient(i, j) + (i == j ? 1 : 0);
+  return F;
+}
+
+}  // namespace couplet::solid

@@ -1,0 +1,26 @@
+#pragma once
+// The elements of a mesh, eight to a pack: what the internal-force kernel reads in every substep.
+
+#include "solid-server/element/quadrature.hpp"
+#include "solid-server/material/pack.hpp"
+#include "solid-server/mesh/solid_mesh.hpp"
+
+namespace couplet::solid {
+
+/// Node quantities inside the time loop: x, y, z and a zero, so that a node is one aligned load.
+using NodeVectors = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
+
+/// The last pack is filled up with copies of the last element, whose forces nobody reads.
+struct ElementPacks {
+  int n_points = 0;
+  Index n_elements = 0, n_packs = 0;
+  std::vector<double> natural_gradient;  // dN_a/dxi_k at the points, (n_points, 20, 3)
+  std::vector<Index> node_start;         // first entry of each node in a NodeVectors array, (n_packs, 20, 8 lanes)
+  std::vector<StoredPack> geometry;      // dxi_k/dX_J (k, J) [1/m] and volume [m^3], (n_packs, n_points, 10)
+};
+
+/// Throws SceneError naming the element when an element is folded at a quadrature point (its volume there is not above
+/// 0).
+ElementPacks make_element_packs(const SolidMesh& mesh, int n_points);
+
+}  // namespace couplet::solid

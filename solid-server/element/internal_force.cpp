@@ -1,0 +1,107 @@
+#include "solid-server/element/internal_force.hpp"
+
+#include "solid-server/element/lane_transpose.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+using NodePacks = Pack[hex20::n_nodes][3];
+
+/// G = dxi/dX and dV of eight elements at one point.
+struct PointGeometry {
+  Pack G[3][3], volume;
+};
+
+[[gnu::always_inline]] inline PointGeometry load_geometry(const StoredPack* stored) {
+  PointGeometry geometry;
+  for (int k = 0; k < 3; ++k)
+    for (int J = 0; J < 3; ++J) geometry.G[k][J] = load(stored[3 * k + J]);
+  geometry.volume = load(stored[9]);
+  return geometry;
+}
+
+/// What is known at a point after the material has answered.
+struct PointAnswer {
+  Pack flux[3][3];  // - P_iJ G_kJ dV: the force on node a is flux_ik dN_a/dxi_k
+  Pack energy;
+  PackMask is_sound;
+};
+
+/// From du_i/dxi_k to the flux.
+template <bool with_energy, class Law>
+[[gnu::always_inline]] inline PointAnswer answer(const Law& law, const Pack (&slope)[3][3], const StoredPack* stored) {
+  const PointGeometry g = load_geometry(stored);
+  Tensor<Pack> F;
+  for (int i = 0; i < 3; ++i)
+    for (int J = 0; J < 3; ++J) {
+      F.at[i][J] = slope[i][0] * g.G[0][J] + slope[i][1] * g.G[1][J] + slope[i][2] * g.G[2][J];
+      if (i == J) F.at[i][J] += 1.0;
+    }
+  const Tensor<Pack> P = law.stress(F);
+  PointAnswer out;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      out.flux[i][k] = -g.volume * (P.at[i][0] * g.G[k][0] + P.at[i][1] * g.G[k][1] + P.at[i][2] * g.G[k][2]);
+  if constexpr (with_energy) out.energy = g.volume * law.energy(F);
+  if constexpr (with_energy || Law::needs_positive_volume) out.is_sound = determinant(F, cofactor(F)) > 0.0;
+  return out;
+}
+
+template <bool with_energy, class Law>
+Index force_of_packs(const ElementPacks& packs, const Law& law, Index first, Index last, const double* displacement,
+                     StoredPack* force, StoredPack* energy) {
+  const int n_points = packs.n_points;
+  Index first_unsound = -1;
+  for (Index p = first; p < last; ++p) {
+    NodePacks u, f{};
+    const Index* start = &packs.node_start[static_cast<std::size_t>(p) * hex20::n_nodes * n_lanes];
+    for (int a = 0; a < hex20::n_nodes; ++a) load_nodes(displacement, start + a * n_lanes, u[a][0], u[a][1], u[a][2]);
+
+    const double* gradient = packs.natural_gradient.data();
+    const StoredPack* geometry = &packs.geometry[static_cast<std::size_t>(p) * static_cast<std::size_t>(n_points) * 10];
+    Pack energy_sum{};
+    PackMask is_sound = energy_sum == 0.0;
+    for (int q = 0; q < n_points; ++q, gradient += 3 * hex20::n_nodes, geometry += 10) {
+      Pack slope[3][3]{};
+      for (int a = 0; a < hex20::n_nodes; ++a)
+        for (int i = 0; i < 3; ++i)
+          for (int k = 0; k < 3; ++k) slope[i][k] += u[a][i] * gradient[3 * a + k];
+      const PointAnswer point = answer<with_energy>(law, slope, geometry);
+      for (int a = 0; a < hex20::n_nodes; ++a)
+        for (int i = 0; i < 3; ++i)
+          for (int k = 0; k < 3; ++k) f[a][i] += point.flux[i][k] * gradient[3 * a + k];
+      if constexpr (with_energy) energy_sum += point.energy;
+      if constexpr (with_energy || Law::needs_positive_volume) is_sound &= point.is_sound;
+    }
+
+    StoredPack* out = force + static_cast<std::size_t>(p) * packs_per_element_pack;
+    for (int a = 0; a < hex20::n_nodes; ++a) store_nodes(f[a][0], f[a][1], f[a][2], out + 4 * a);
+    if constexpr (with_energy) store(energy_sum, energy[p]);
+    if (first_unsound < 0 && !all_true(is_sound)) [[unlikely]] {
+      int lane = 0;
+      while (is_sound[lane] != 0) ++lane;
+      first_unsound = std::min(p * n_lanes + lane, packs.n_elements - 1);
+    }
+  }
+  return first_unsound;
+}
+
+}  // namespace
+
+Index element_force_start(Index element, int local_node) {
+  const Index pack = element / n_lanes, lane = element % n_lanes;
+  return (pack * packs_per_element_pack + 4 * local_node) * n_lanes + 4 * lane_place(lane);
+}
+
+Index internal_force(const ElementPacks& packs, const Material& material, Index first, Index last,
+                     const double* displacement, StoredPack* force, StoredPack* energy) {
+  return std::visit(
+      [&](const auto& law) {
+        return energy ? force_of_packs<true>(packs, law, first, last, displacement, force, energy)
+                      : force_of_packs<false>(packs, law, first, last, displacement, force, energy);
+      },
+      material);
+}
+
+}  // namespace couplet::solid

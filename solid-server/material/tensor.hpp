@@ -1,0 +1,65 @@
+#pragma once
+// A second-order tensor at one point, of one number each or of a pack of eight (simd_pack.hpp): the same formulas serve
+// both.
+
+#include <Eigen/Core>
+
+namespace couplet::solid {
+
+template <class Real>
+struct Tensor {
+  Real at[3][3];
+};
+
+/// A^T A, the right Cauchy-Green tensor of a deformation gradient.
+template <class Real>
+[[gnu::always_inline]] inline Tensor<Real> transpose_product(const Tensor<Real>& a) {
+  Tensor<Real> c;
+  for (int i = 0; i < 3; ++i)
+    for (int j = i; j < 3; ++j) {
+      c.at[i][j] = a.at[0][i] * a.at[0][j] + a.at[1][i] * a.at[1][j] + a.at[2][i] * a.at[2][j];
+      c.at[j][i] = c.at[i][j];
+    }
+  return c;
+}
+
+template <class Real>
+[[gnu::always_inline]] inline Tensor<Real> product(const Tensor<Real>& a, const Tensor<Real>& b) {
+  Tensor<Real> c;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      c.at[i][j] = a.at[i][0] * b.at[0][j] + a.at[i][1] * b.at[1][j] + a.at[i][2] * b.at[2][j];
+  return c;
+}
+
+/// Cofactor: det(A) A^-T = d det(A) / dA.
+template <class Real>
+[[gnu::always_inline]] inline Tensor<Real> cofactor(const Tensor<Real>& a) {
+  Tensor<Real> c;
+  for (int i = 0; i < 3; ++i) {
+    const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+    for (int j = 0; j < 3; ++j) {
+      const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+      c.at[i][j] = a.at[i1][j1] * a.at[i2][j2] - a.at[i1][j2] * a.at[i2][j1];
+    }
+  }
+  return c;
+}
+
+/// det(A) from A and its cofactor.
+template <class Real>
+[[gnu::always_inline]] inline Real determinant(const Tensor<Real>& a, const Tensor<Real>& cof) {
+  return a.at[0][0] * cof.at[0][0] + a.at[0][1] * cof.at[0][1] + a.at[0][2] * cof.at[0][2];
+}
+
+template <class Real>
+[[gnu::always_inline]] inline Real double_contraction(const Tensor<Real>& a, const Tensor<Real>& b) {
+  Real sum = a.at[0][0] * b.at[0][0];
+  for (int n = 1; n < 9; ++n) sum += a.at[n / 3][n % 3] * b.at[n / 3][n % 3];
+  return sum;
+}
+
+/// d2W/dF2, index 3 i + J in both directions.
+using Tangent = Eigen::Matrix<double, 9, 9>;
+
+}  // namespace couplet::solid

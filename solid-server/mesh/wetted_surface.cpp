@@ -1,0 +1,48 @@
+#include "solid-server/mesh/wetted_surface.hpp"
+
+#include <algorithm>
+
+namespace couplet::solid {
+
+namespace {
+
+std::int64_t place_of(const std::vector<Index>& nodes, Index node) {
+  return std::lower_bound(nodes.begin(), nodes.end(), node) - nodes.begin();
+}
+
+}  // namespace
+
+WettedSurface make_wetted_surface(const SolidMesh& mesh, const std::vector<std::string>& names) {
+  WettedSurface wetted;
+  surface::SurfaceMesh& out = wetted.surface;
+  std::vector<ElementFace> faces;
+  std::vector<std::int64_t> regions;
+  for (std::size_t r = 0; r < names.size(); ++r) {
+    const auto& named = mesh.find_surface(names[r], "solid.body[0].wetted[" + std::to_string(r) + "]");
+    faces.insert(faces.end(), named.begin(), named.end());
+    regions.insert(regions.end(), named.size(), static_cast<std::int64_t>(r));
+    out.region.push_back(names[r]);
+  }
+  wetted.solid_node = nodes_of_faces(mesh, faces);
+
+  out.node_position.resize(static_cast<Eigen::Index>(wetted.solid_node.size()), 3);
+  for (Eigen::Index n = 0; n < out.node_position.rows(); ++n)
+    out.node_position.row(n) = mesh.node_position.row(wetted.solid_node[static_cast<std::size_t>(n)]);
+
+  const auto n_faces = static_cast<Eigen::Index>(faces.size());
+  out.face_offset = surface::IndexArray::LinSpaced(n_faces + 1, 0, hex20::n_face_nodes * n_faces);
+  out.face_node.resize(hex20::n_face_nodes * n_faces);
+  out.face_region = Eigen::Map<const surface::IndexArray>(regions.data(), n_faces);
+  for (Eigen::Index f = 0; f < n_faces; ++f) {
+    wetted.face.push_back(mesh.nodes_of(faces[static_cast<std::size_t>(f)]));
+    for (Eigen::Index a = 0; a < hex20::n_face_nodes; ++a)
+      out.face_node[hex20::n_face_nodes * f + a] =
+          place_of(wetted.solid_node, wetted.face.back()[static_cast<std::size_t>(a)]);
+  }
+  for (const auto& [name, node] : mesh.marker)
+    if (std::binary_search(wetted.solid_node.begin(), wetted.solid_node.end(), node))
+      out.marker[name] = place_of(wetted.solid_node, node);
+  return wetted;
+}
+
+}  // namespace couplet::solid

@@ -1,0 +1,49 @@
+#include "solid-server/service/estimate_solid.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "solid-server/service/make_setup.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+/// Repeats the first step for a moment; the accepted state stays as it is.
+double seconds_per_substep(SolidModel& model, double duration) {
+  using Clock = std::chrono::steady_clock;
+  const auto load = surface::NodeArray::Zero(static_cast<Eigen::Index>(model.wetted().solid_node.size()), 3);
+  const auto seconds_of = [&] {
+    const auto started = Clock::now();
+    model.solve_step(duration, load);
+    return std::chrono::duration<double>(Clock::now() - started).count() / model.n_substeps_of_last_step();
+  };
+  double fastest = seconds_of();
+  const auto end = Clock::now() + std::chrono::milliseconds(200);
+  while (Clock::now() < end) fastest = std::min(fastest, seconds_of());
+  return fastest;
+}
+
+}  // namespace
+
+std::vector<participant::NamedNumber> estimate_solid(const participant::OpenRequest& request, int threads) {
+  SolidSetup setup = make_setup(request.scene.solid());
+  setup.n_threads = worthwhile_threads(threads, setup.mesh.n_elements());
+  const int n_threads = setup.n_threads;
+  SolidModel model(std::move(setup));
+  const double step = request.scene.time().step(), n_steps = std::ceil(request.scene.time().end() / step);
+  const int n_substeps = model.n_substeps(step);
+  const double seconds = seconds_per_substep(model, step);
+  return {{"elements", static_cast<double>(model.mesh().n_elements()), "1"},
+          {"nodes", static_cast<double>(model.mesh().n_nodes()), "1"},
+          {"degrees_of_freedom", 3.0 * model.mesh().n_nodes(), "1"},
+          {"interface_nodes", static_cast<double>(model.wetted().solid_node.size()), "1"},
+          {"memory_bytes", static_cast<double>(model.memory_bytes()), "1"},
+          {"threads", static_cast<double>(n_threads), "1"},
+          {"stable_step", model.accepted().stable_step, "s"},
+          {"substeps_per_step", static_cast<double>(n_substeps), "1"},
+          {"seconds_per_substep", seconds, "s"},
+          {"seconds", seconds * n_substeps * n_steps, "s"}};
+}
+
+}  // namespace couplet::solid

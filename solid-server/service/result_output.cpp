@@ -1,0 +1,45 @@
+#include "solid-server/service/result_output.hpp"
+
+#include <cmath>
+
+#include "proto/store/run_folder.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+// Times add up over many steps: a state this share of an interval before its turn counts as on time.
+constexpr double early = 1e-6;
+
+store::ResultMesh result_mesh(const SolidMesh& mesh) {
+  store::ResultMesh out;
+  out.shape = store::CellShape::hexahedron20;
+  out.node_position = mesh.node_position;
+  for (const auto& nodes : mesh.element_node) out.cell_node.insert(out.cell_node.end(), nodes.begin(), nodes.end());
+  return out;
+}
+
+}  // namespace
+
+ResultOutput::ResultOutput(const v1::Output& output, const std::string& run_folder, const std::string& name,
+                           const SolidMesh& mesh, double time)
+    : start_(output.results_start()), interval_(output.results_interval()) {
+  if (run_folder.empty() || !output.has_results_interval()) return;
+  const auto folder = store::RunFolder{run_folder}.results();
+  if (time > 0) {
+    writer_.emplace(store::ResultWriter::continue_from(folder, name, result_mesh(mesh), time));
+    next_ = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor((time - start_) / interval_ + early)) + 1);
+  } else {
+    writer_.emplace(folder, name, result_mesh(mesh));
+  }
+}
+
+void ResultOutput::accept(const Motion& motion) {
+  const double turn = (motion.time - start_) / interval_ + early;
+  if (!writer_ || turn < static_cast<double>(next_)) return;
+  writer_->append(motion.time, {{"displacement", "m", motion.displacement.leftCols<3>()},
+                                {"velocity", "m/s", motion.velocity.leftCols<3>()}});
+  next_ = static_cast<std::int64_t>(std::floor(turn)) + 1;
+}
+
+}  // namespace couplet::solid

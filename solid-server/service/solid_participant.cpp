@@ -1,0 +1,138 @@
+#include "solid-server/service/solid_participant.hpp"
+
+#include <sys/resource.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "proto/report/failure.hpp"
+#include "solid-server/service/make_setup.hpp"
+#include "solid-server/service/solid_checkpoint.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+/// Adds the time of its life to a sum.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& sum) : sum_(sum) {}
+  ~Stopwatch() { sum_ += seconds(); }
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - started_).count(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double& sum_;
+  Clock::time_point started_ = Clock::now();
+};
+
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+/// The coupler and this program add up the same steps; more than round-off apart means that one of them lost a step.
+void check_start(const participant::StepInterval& interval, double accepted_time) {
+  if (std::abs(interval.start - accepted_time) <= 1e-6 * interval.duration) return;
+  throw report::PeerError("solid-server",
+                          "asked for a step from t = " + std::to_string(interval.start) +
+                              " s, but the accepted state is at t = " + std::to_string(accepted_time) + " s",
+                          "start the run again from its last checkpoint");
+}
+
+}  // namespace
+
+participant::Opened SolidParticipant::open(const participant::OpenRequest& request) {
+  const Stopwatch watch(seconds_);
+  SolidSetup setup = make_setup(request.scene.solid());
+  setup.n_threads = worthwhile_threads(options_.threads, setup.mesh.n_elements());
+  model_ = std::make_unique<SolidModel>(std::move(setup));
+  if (!request.resume_from.empty()) model_->resume(read_checkpoint(request.resume_from, model_->accepted()));
+
+  const Motion& motion = model_->accepted().motion;
+  results_ = std::make_unique<ResultOutput>(request.scene.output(), request.run_folder,
+                                            request.scene.solid().body(0).name(), model_->mesh(), motion.time);
+  results_->accept(motion);
+
+  needs_force_ = request.scene.has_flow();
+  participant::Opened opened;
+  opened.surface = model_->wetted().surface;
+  opened.time = motion.time;
+  if (needs_force_) opened.needs = {"force"};
+  opened.offers = {"displacement", "velocity"};
+  opened.fields = fields_at_surface(motion);
+  return opened;
+}
+
+participant::StepSolved SolidParticipant::solve_step(const participant::StepInterval& interval,
+                                                     const surface::FieldSet& fields) {
+  const Stopwatch watch(seconds_);
+  check_start(interval, model_->accepted().motion.time);
+  model_->solve_step(interval.duration, received_force(fields));
+  participant::StepSolved solved;
+  solved.fields = fields_at_surface(model_->trial().motion);
+  solved.inner_iterations = model_->n_substeps_of_last_step();
+  solved.seconds = watch.seconds();
+  return solved;
+}
+
+std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t) {
+  const Stopwatch watch(seconds_);
+  model_->accept_step();
+  results_->accept(model_->accepted().motion);
+  const SolidEnergy energy = model_->energy();
+  return {{"solid.kinetic_energy", energy.kinetic, "J"},
+          {"solid.strain_energy", energy.strain, "J"},
+          {"solid.contact_energy", energy.contact, "J"},
+          {"solid.contact_force", energy.contact_force, "N"},
+          {"solid.substeps", static_cast<double>(model_->n_substeps_of_last_step()), "1"}};
+}
+
+std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {
+  const Stopwatch watch(seconds_);
+  solid::write_checkpoint(path, model_->accepted());
+  return static_cast<std::uint64_t>(std::filesystem::file_size(path));
+}
+
+std::vector<participant::NamedNumber> SolidParticipant::close(const std::string&) {
+  results_.reset();
+  std::vector<participant::NamedNumber> numbers = {{"seconds", seconds_, "s"},
+                                                   {"peak_memory_bytes", peak_memory_bytes(), "1"}};
+  if (model_) {
+    numbers.push_back({"substeps", static_cast<double>(model_->n_substeps_total()), "1"});
+    numbers.push_back({"element_seconds", model_->element_seconds(), "s"});
+    numbers.push_back({"elements", static_cast<double>(model_->mesh().n_elements()), "1"});
+    numbers.push_back({"nodes", static_cast<double>(model_->mesh().n_nodes()), "1"});
+  }
+  model_.reset();
+  return numbers;
+}
+
+surface::FieldSet SolidParticipant::fields_at_surface(const Motion& motion) const {
+  const auto& nodes = model_->wetted().solid_node;
+  const auto at_surface = [&](const NodeVectors& values) {
+    surface::NodeArray out(static_cast<Eigen::Index>(nodes.size()), 3);
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+      out.row(static_cast<Eigen::Index>(n)) = values.row(nodes[n]).head<3>();
+    return out;
+  };
+  return {{"displacement", "m", at_surface(motion.displacement)}, {"velocity", "m/s", at_surface(motion.velocity)}};
+}
+
+surface::NodeArray SolidParticipant::received_force(const surface::FieldSet& fields) const {
+  const auto n_nodes = static_cast<Eigen::Index>(model_->wetted().solid_node.size());
+  if (!needs_force_) return surface::NodeArray::Zero(n_nodes, 3);
+  const surface::NodeArray& force = surface::find_field(fields, "force").values;
+  if (force.rows() != n_nodes || force.cols() != 3)
+    throw report::PeerError("solid-server",
+                            "the field 'force' is " + std::to_string(force.rows()) + " x " +
+                                std::to_string(force.cols()) + ", not " + std::to_string(n_nodes) + " x 3",
+                            "check the mapping between the two surfaces");
+  return force;
+}
+
+}  // namespace couplet::solid

@@ -1,0 +1,36 @@
+#pragma once
+// A deformable body behind the contract of a participant.
+
+#include "proto/participant/participant.hpp"
+#include "proto/participant/server_program.hpp"
+#include "solid-server/service/result_output.hpp"
+#include "solid-server/solid_model.hpp"
+
+namespace couplet::solid {
+
+/// Needs force (when the scene has a flow), offers displacement and velocity of the wetted nodes. accept_step reports
+/// solid.kinetic_energy, solid.strain_energy, solid.contact_energy [J], solid.contact_force [N] of the accepted state
+/// and solid.substeps of its step.
+class SolidParticipant : public participant::Participant {
+ public:
+  explicit SolidParticipant(participant::ServerOptions options) : options_(options) {}
+
+  participant::Opened open(const participant::OpenRequest& request) override;
+  participant::StepSolved solve_step(const participant::StepInterval& interval,
+                                     const surface::FieldSet& fields) override;
+  std::vector<participant::NamedNumber> accept_step(std::int64_t step) override;
+  std::uint64_t write_checkpoint(const std::string& path) override;
+  std::vector<participant::NamedNumber> close(const std::string& reason) override;
+
+ private:
+  surface::FieldSet fields_at_surface(const Motion& motion) const;
+  surface::NodeArray received_force(const surface::FieldSet& fields) const;
+
+  participant::ServerOptions options_;
+  std::unique_ptr<SolidModel> model_;
+  std::unique_ptr<ResultOutput> results_;
+  bool needs_force_ = false;
+  double seconds_ = 0;  // of computation
+};
+
+}  // namespace couplet::solid

@@ -1,0 +1,88 @@
+#pragma once
+// One deformable body that moves under loads: the door through which the service and the tests see the solid.
+
+#include <memory>
+
+#include "solid-server/contact/rigid_plane.hpp"
+#include "solid-server/dynamics/motion.hpp"
+#include "solid-server/load/surface_pressure.hpp"
+#include "solid-server/material/material.hpp"
+#include "solid-server/mesh/wetted_surface.hpp"
+#include "solid-server/support/supports.hpp"
+
+namespace couplet::solid {
+
+/// A velocity field that is added once, at a given time.
+struct Kick {
+  double time = 0;                                                  // [s]
+  std::function<Eigen::Vector3d(const Eigen::Vector3d&)> velocity;  // of the position at rest [m/s]
+};
+
+struct StepControl {
+  double safety = 0.9;         // substep over the estimated stable step
+  double largest_substep = 0;  // [s]; 0: no other limit
+  int estimate_every = 1000;   // accepted steps between two estimates
+};
+
+/// A body and everything that acts on it. SI units.
+struct SolidSetup {
+  SolidMesh mesh;
+  Material material;
+  double density = 0;  // at rest [kg/m^3]
+  int points_per_element = 8;
+  Supports supports;
+  std::vector<std::string> wetted;  // surfaces that touch the flow
+  Damping damping;
+  std::vector<Kick> kicks;
+  std::vector<PressureLoad> pressures;
+  std::vector<RigidPlane> planes;
+  StepControl step;
+  int n_threads = 1;
+};
+
+/// What is kept from one accepted step to the next, and in a checkpoint.
+struct SolidState {
+  Motion motion;
+  double stable_step = 0;  // as last estimated [s]
+  int n_accepted_since_estimate = 0;
+};
+
+struct SolidEnergy {
+  double kinetic = 0, strain = 0, contact = 0;  // [J]
+  double contact_force = 0;                     // of the rigid planes on the body [N]
+};
+
+/// Two states: accepted and trial. solve_step always starts from the accepted one.
+class SolidModel {
+ public:
+  /// At rest at t = 0. Throws SceneError for surfaces that do not exist, folded elements, planes without a wetted
+  /// surface.
+  explicit SolidModel(SolidSetup setup);
+  ~SolidModel();
+
+  const SolidMesh& mesh() const;
+  const WettedSurface& wetted() const;
+
+  /// From the accepted state over `duration` [s] with the force on the wetted nodes at its end, (n wetted nodes, 3)
+  /// [N]. Throws NumericsError when an element is turned inside out.
+  void solve_step(double duration, const surface::NodeArray& interface_force);
+  const SolidState& trial() const;
+
+  /// Makes the trial state the accepted one; estimates the stable step again when it is due.
+  void accept_step();
+  const SolidState& accepted() const;
+  void resume(SolidState state);  // sizes must be those of accepted()
+
+  int n_substeps(double duration) const;  // that a step of this duration [s] takes now
+  SolidEnergy energy() const;             // of the last accepted step
+  int n_substeps_of_last_step() const;
+  long n_substeps_total() const;     // repeated steps included
+  double element_seconds() const;    // spent in the element kernel
+  std::size_t memory_bytes() const;  // of the arrays of the time loop
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace couplet::solid
