@@ -1,0 +1,55 @@
+#include "coupler/scheme/step_size.hpp"
+
+#include <cmath>
+
+namespace couplet::coupling {
+
+namespace {
+constexpr int easy_steps_before_growth = 4;
+constexpr double sliver = 1e-6;  // of a step: a remainder this small is joined to the last step
+}  // namespace
+
+StepSize::StepSize(double end, double step, int halvings_max) : end_(end), step_(step), halvings_max_(halvings_max) {}
+
+bool StepSize::is_at_end() const {
+  return time_ >= end_;
+}
+
+double StepSize::next_time() const {
+  const double tick = std::ldexp(step_, -halvings_max_);
+  const double next = static_cast<double>(ticks_ + ticks_of_step()) * tick;
+  return next > end_ - sliver * std::ldexp(step_, -level_) ? end_ : next;
+}
+
+void StepSize::accept(bool was_easy) {
+  time_ = next_time();
+  ticks_ += ticks_of_step();
+  easy_in_a_row_ = was_easy ? easy_in_a_row_ + 1 : 0;
+  const bool doubled_starts_at_multiple = ticks_ % (2 * ticks_of_step()) == 0;
+  if (level_ > 0 && easy_in_a_row_ >= easy_steps_before_growth && doubled_starts_at_multiple) {
+    --level_;
+    easy_in_a_row_ = 0;
+  }
+}
+
+bool StepSize::halve() {
+  if (level_ == halvings_max_) return false;
+  ++level_;
+  easy_in_a_row_ = 0;
+  return true;
+}
+
+void StepSize::save(SavedState& state) const {
+  state["step_size"] =
+      to_array({static_cast<double>(level_), static_cast<double>(easy_in_a_row_), static_cast<double>(ticks_), time_});
+}
+
+void StepSize::restore(const SavedState& state) {
+  const Eigen::MatrixXd& saved = state.at("step_size");
+  level_ = static_cast<int>(saved(0));
+  easy_in_a_row_ = static_cast<int>(saved(1));
+  ticks_ = static_cast<std::int64_t>(saved(2));
+  time_ = saved(3);
+}
+
+}  // namespace couplet::coupling
