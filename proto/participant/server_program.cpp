@@ -12,6 +12,7 @@
 #include "proto/report/failure.hpp"
 #include "proto/report/version.hpp"
 #include "proto/scene/read_scene.hpp"
+#include "proto/wire/mpi_job.hpp"
 #include "proto/wire/zeromq_channel.hpp"
 
 namespace couplet::participant {
@@ -42,7 +43,23 @@ ServeOptions make_serve_options(const ServerProgram& program, const CommandLine&
   return options;
 }
 
+int serve_in_mpi(const ServerProgram& program, const CommandLine& line) {
+  return wire::run_in_mpi(program.name, [&](wire::MpiJob& job) {
+    const ServeOptions options = make_serve_options(program, line);
+    catch_stop_signals();
+    const auto role = program.name == "flow-server" ? wire::MpiRole::flow : wire::MpiRole::solid;
+    const wire::MpiConnections connections = job.connect(role, {line.zeromq.heartbeat_deadline});
+    int n_ranks = 0;
+    MPI_Comm_size(connections.group, &n_ranks);
+    if (n_ranks > 1) throw report::SceneError("MPI job", "has more than one " + program.name, "start it with -n 1");
+    const auto participant = program.make_participant(line.server);
+    serve_participant(*connections.coupler, *participant, options);
+    return 0;
+  });
+}
+
 int serve(const ServerProgram& program, const CommandLine& line) {
+  if (line.transport == "mpi") return serve_in_mpi(program, line);
   const ServeOptions options = make_serve_options(program, line);
   catch_stop_signals();
   const auto channel = wire::listen_zeromq(line.listen, line.zeromq);

@@ -40,7 +40,7 @@ Failure::Failure(FailureKind kind, std::string where, std::string sentence, std:
       sentence_(std::move(sentence)),
       advice_(std::move(advice)) {}
 
-int run_program(const std::string& program, int (*body)(int, char**), int argc, char** argv) {
+int run_program(const std::string& program, const std::function<int(int, char**)>& body, int argc, char** argv) {
   try {
     return body(argc, argv);
   } catch (const Failure& failure) {

@@ -1,6 +1,7 @@
 #pragma once
 // How a program says that it is not well. Five kinds, never mixed; each has its exit code (README, "Exit codes").
 
+#include <functional>
 #include <stdexcept>
 #include <string>
 
@@ -50,6 +51,6 @@ struct FileError : Failure {
 
 /// Runs a program's body and turns whatever it throws into one last line on standard error and an exit code.
 /// A Failure keeps its kind; any other exception is a bug (70). `program` starts the line.
-int run_program(const std::string& program, int (*body)(int, char**), int argc, char** argv);
+int run_program(const std::string& program, const std::function<int(int, char**)>& body, int argc, char** argv);
 
 }  // namespace couplet::report

@@ -11,7 +11,7 @@
 
 namespace couplet::wire {
 
-/// One message: frame 0 is a serialized Request or Reply, the others are raw arrays.
+/// One message: frame 0 is a serialized Request or Reply, the others are raw arrays. It has at least one frame.
 using Frames = std::vector<Frame>;
 
 /// The same bytes once more, for a message that may have to be sent again.

@@ -6,12 +6,17 @@
 
 namespace couplet::wire {
 
+namespace {
+
+constexpr int what_is_reported =
+    ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED;
+
+}  // namespace
+
 ConnectionWatch::ConnectionWatch(zmq::context_t& context, zmq::socket_t& watched)
     : watched_(watched), events_(context, ZMQ_PAIR) {
   const std::string address = "inproc://connection-watch";  // one socket a context, so one name is enough
-  if (zmq_socket_monitor(watched.handle(), address.c_str(), ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED) !=
-      0)
-    throw zmq::error_t();
+  if (zmq_socket_monitor(watched.handle(), address.c_str(), what_is_reported) != 0) throw zmq::error_t();
   events_.set(zmq::sockopt::linger, 0);
   events_.connect(address);
 }
@@ -29,15 +34,15 @@ void ConnectionWatch::read(bool follow_first) {
     if (event.size() < sizeof what + sizeof connection) continue;
     std::memcpy(&what, event.data(), sizeof what);
     std::memcpy(&connection, static_cast<const char*>(event.data()) + sizeof what, sizeof connection);
-    if (what == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+    if (what == ZMQ_EVENT_ACCEPTED || what == ZMQ_EVENT_CONNECTED) {
       alive_.insert(connection);
-      if (follow_first && !has_followed_) {
-        followed_ = {connection};
-        has_followed_ = true;
-      }
-    } else {
+    } else if (what == ZMQ_EVENT_DISCONNECTED) {
       alive_.erase(connection);
       followed_.erase(connection);
+    } else if (follow_first && !has_followed_) {
+      // The first handshake: whoever answers there speaks ZeroMQ. The event does not say on which connection.
+      followed_ = alive_;
+      has_followed_ = true;
     }
   }
 }

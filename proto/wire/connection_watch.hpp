@@ -16,7 +16,8 @@ class ConnectionWatch {
   /// For poll: readable when something was reported.
   zmq::socket_t& socket() { return events_; }
 
-  /// Takes in what was reported since the last call. With `follow_first` the first connection that comes is followed.
+  /// Takes in what was reported since the last call. With `follow_first` the first connection
+  /// that speaks ZeroMQ is followed.
   void read(bool follow_first);
 
   /// From now on is_lost() speaks of the connection that this message came by. ZeroMQ tells which one that is for tcp

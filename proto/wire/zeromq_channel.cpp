@@ -60,7 +60,8 @@ class ZeromqChannel : public Channel {
   }
 
   void send(Frames message) override {
-    throw_if_lost();
+    assert(!message.empty());
+    if (is_lost()) throw lost();
     for (zmq::message_t& part : envelope()) send_part(part, true);
     for (std::size_t i = 0; i < message.size(); ++i) {
       zmq::message_t part = make_part(std::move(message[i]));
@@ -71,7 +72,11 @@ class ZeromqChannel : public Channel {
   std::optional<Frames> receive(Deadline deadline) override {
     while (true) {
       if (auto message = take_message()) return message;
-      throw_if_lost();
+      if (is_lost()) {
+        // What arrived between the two looks still counts.
+        if (auto message = take_message()) return message;
+        throw lost();
+      }
       const auto now = Clock::now();
       if (now >= deadline) return std::nullopt;
       const bool is_waited_for = !watch_.has_followed();
@@ -104,11 +109,10 @@ class ZeromqChannel : public Channel {
             "its own last line says why; the last checkpoint can be resumed"};
   }
 
-  void throw_if_lost() {
+  bool is_lost() {
     watch_.read(follows_first_connection());
-    if (!watch_.is_lost()) return;
-    socket_.set(zmq::sockopt::linger, 0);  // nobody will take what is left
-    throw lost();
+    if (watch_.is_lost()) socket_.set(zmq::sockopt::linger, 0);  // nobody will take what is left
+    return watch_.is_lost();
   }
 
   void send_part(zmq::message_t& part, bool more) {
@@ -120,7 +124,7 @@ class ZeromqChannel : public Channel {
         if (error.num() == EHOSTUNREACH) throw lost();
         if (error.num() != EINTR) throw;
       }
-      throw_if_lost();
+      if (is_lost()) throw lost();
       wait(deadline_in(1), ZMQ_POLLOUT);
     }
   }
