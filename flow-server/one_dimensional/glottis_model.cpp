@@ -102,11 +102,6 @@ void GlottisModel::refuse_unbelievable() const {
   if (!now.pressure.allFinite() || !std::isfinite(now.inlet_rate)) {
     report_divergence("pressure or flow rate are not a number");
   }
-  if (const double p = now.pressure.abs().maxCoeff(&k); limit > 0 && p > limit) {
-    found << "the pressure reaches " << now.pressure[k] << " Pa at x = " << now.position[k] << " m, more than "
-          << largest_believed_pressure_ratio << " times the driving pressure";
-    report_divergence(found.str());
-  }
   const double length = now.exit - accepted_profile_.inlet;
   if (length > largest_believed_length_ratio * first_length_ ||
       length < first_length_ / largest_believed_length_ratio) {
@@ -117,6 +112,11 @@ void GlottisModel::refuse_unbelievable() const {
       area > largest_believed_area_ratio * first_largest_area_) {
     found << "the area reaches " << area << " m^2 at x = " << now.position[k] << " m, the largest at rest was "
           << first_largest_area_ << " m^2";
+    report_divergence(found.str());
+  }
+  if (const double p = now.pressure.abs().maxCoeff(&k); limit > 0 && p > limit) {
+    found << "the pressure reaches " << now.pressure[k] << " Pa at x = " << now.position[k] << " m, more than "
+          << largest_believed_pressure_ratio << " times the driving pressure";
     report_divergence(found.str());
   }
 }
