@@ -137,10 +137,10 @@ class FieldCheck {
 
   void check_count(const FieldDescriptor& field, int n_entries, const std::string& path) {
     const v1::Count& count = field.options().GetExtension(v1::count);
-    if (n_entries < count.at_least()) {
-      const std::string wanted =
-          "needs at least " + std::to_string(count.at_least()) + (count.at_least() == 1 ? " entry" : " entries") + "; ";
-      review_.complain_missing(path, n_entries == 0 ? "is missing; " + remedy(field) : wanted + remedy(field));
+    if (n_entries == 0 && count.at_least() > 0) {
+      review_.complain_missing(path, "is missing; " + remedy(field));
+    } else if (n_entries < count.at_least()) {
+      review_.complain_missing(path, "has too few entries; give at least " + std::to_string(count.at_least()));
     }
     if (count.has_at_most() && n_entries > count.at_most()) {
       review_.complain(

@@ -40,10 +40,22 @@ std::string reason(const mu::ParserError& error) {
   }
 }
 
+// Place of an = that assigns: a formula has a value and no effect.
+std::size_t place_of_assignment(const std::string& formula) {
+  for (std::size_t i = 0; i < formula.size(); ++i) {
+    const bool is_comparison = (i > 0 && std::string("=<>!").find(formula[i - 1]) != std::string::npos) ||
+                               (i + 1 < formula.size() && formula[i + 1] == '=');
+    if (formula[i] == '=' && !is_comparison) return i;
+  }
+  return std::string::npos;
+}
+
 }  // namespace
 
 Expression::Expression(const std::string& formula) : parsed_(std::make_unique<Parsed>()) {
   if (formula.find_first_not_of(" \t\r\n") == std::string::npos) refuse(formula, 0, "it is empty");
+  const std::size_t assignment = place_of_assignment(formula);
+  if (assignment != std::string::npos) refuse(formula, assignment, "\"=\" does not belong here");
   mu::Parser& parser = parsed_->parser;
   try {
     parser.DefineVar("x", &parsed_->x);

@@ -37,6 +37,8 @@ class FieldTree {
   FieldTree* entry(const std::string& name, int index = 0);
   /// True when the field stands in the scene, readable or not.
   bool is_given(const std::string& name) const;
+  /// True when the field stands in the scene but could not be read, or an entry of it could not.
+  bool is_unreadable(const std::string& name) const { return unreadable_.contains(name); }
   /// Place of the first time a field was given; nullptr when it was not.
   const Place* first_place(const std::string& name) const;
 

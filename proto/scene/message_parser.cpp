@@ -110,11 +110,13 @@ void MessageParser::parse_known_field(const FieldDescriptor& field, const Token&
   } else {
     const bool needs_colon = !is_message(field) && !cursor_.now().opens();
     if (needs_colon && !has_colon) {
-      cursor_.complain(name, path, "has no colon; write " + name.word + ": " + cursor_.now().word);
+      cursor_.complain(name, path,
+                       "has no colon; write " + name.word + ": " + cursor_.now().word +
+                           (cursor_.now().is("-") ? cursor_.ahead(1).word : ""));
     }
     is_list ? parse_list(field, name, message, tree) : parse_value(field, name, false, message, tree);
   }
-  end_field(name, path, message, true);
+  if (cursor_.now().is(",") || cursor_.now().is(";")) cursor_.advance(path);
 }
 
 void MessageParser::parse_unknown_field(const Token& name, Message& message, FieldTree& tree) {
@@ -132,9 +134,15 @@ void MessageParser::parse_unknown_field(const Token& name, Message& message, Fie
     parse_block(*field, name, message, tree);
   } else {
     if (is_free) tree.remember_unreadable(meant, cursor_.place_of(name));
-    if (!cursor_.starts_field()) cursor_.skip_value(path);
+    if (!cursor_.starts_field()) skip_unknown_value(path, message);
   }
-  end_field(name, path, message, false);
+  if (cursor_.now().is(",") || cursor_.now().is(";")) cursor_.advance(path);
+}
+
+void MessageParser::skip_unknown_value(const std::string& path, const Message& message) {
+  const bool is_scalar = cursor_.starts_scalar();
+  cursor_.skip_value(path);
+  if (is_scalar && has_rest(message)) cursor_.skip_rest_of_line(path);
 }
 
 bool MessageParser::may_be_given(const FieldDescriptor& field, const Token& name, const FieldTree& tree) {
@@ -230,6 +238,17 @@ void MessageParser::parse_scalar(const FieldDescriptor& field, const Token& at, 
   ScalarText value;
   if (!cursor_.read_scalar(path, in_list, value)) {
     tree.remember_unreadable(field.name(), cursor_.place_of(at));
+    if (!in_list && has_rest(message)) cursor_.skip_rest_of_line(path);
+    return;
+  }
+  if (!in_list && has_rest(message)) {
+    const std::string rest = cursor_.now().word;
+    if (cursor_.now().faults.empty()) {
+      cursor_.complain(at, path,
+                       "\"" + rest + "\" stands behind the value; write one value, without unit and arithmetic");
+    }
+    tree.remember_unreadable(field.name(), cursor_.place_of(at));
+    cursor_.skip_rest_of_line(path);
     return;
   }
   const std::string wrong = put_scalar(value, field, message);
@@ -246,22 +265,13 @@ void MessageParser::refuse(const FieldDescriptor& field, const Token& at, FieldT
   tree.remember_unreadable(field.name(), cursor_.place_of(at));
 }
 
-// A separator, or what stands behind the value on the same line and is no field: a unit, arithmetic.
-void MessageParser::end_field(const Token& name, const std::string& path, const Message& message, bool is_known) {
-  const Token& last = cursor_.before();
+// Whether something that is no field stands behind the value on the same line: a unit, arithmetic.
+bool MessageParser::has_rest(const Message& message) const {
   const Token& now = cursor_.now();
   const bool is_field = cursor_.starts_field() || (now.kind == Token::identifier &&
                                                    message.GetDescriptor()->FindFieldByName(now.word) != nullptr);
   const bool is_separator = now.is(",") || now.is(";");
-  const bool ends_value = last.kind != Token::symbol && now.line == last.line;
-  if (ends_value && !is_field && !is_separator && !now.closes() && !cursor_.at_end()) {
-    if (is_known && last.faults.empty() && now.faults.empty()) {
-      cursor_.complain(name, path,
-                       "\"" + now.word + "\" stands behind the value; write one value, without unit and arithmetic");
-    }
-    cursor_.skip_rest_of_line(path);
-  }
-  if (cursor_.now().is(",") || cursor_.now().is(";")) cursor_.advance(path);
+  return now.line == cursor_.before().line && !is_field && !is_separator && !now.closes() && !cursor_.at_end();
 }
 
 }  // namespace couplet::scene

@@ -49,7 +49,8 @@ class MessageParser {
   void parse_block(const FieldDescriptor& field, const Token& at, Message& message, FieldTree& tree);
   void parse_scalar(const FieldDescriptor& field, const Token& at, bool in_list, Message& message, FieldTree& tree);
   void refuse(const FieldDescriptor& field, const Token& at, FieldTree& tree, const std::string& sentence);
-  void end_field(const Token& name, const std::string& path, const Message& message, bool is_known);
+  void skip_unknown_value(const std::string& path, const Message& message);
+  bool has_rest(const Message& message) const;
 
   TokenCursor cursor_;
 };

@@ -12,15 +12,15 @@ void Review::complain_missing(const std::string& path, const std::string& senten
   const std::size_t dot = path.rfind('.');
   const FieldTree& block = dot == std::string::npos ? tree_ : tree_.deepest(path.substr(0, dot));
   const std::string name = path.substr(dot == std::string::npos ? 0 : dot + 1);
-  if (!braces_match_ || block.unclear || block.is_given(name.substr(0, name.find('[')))) return;
+  if (!braces_match_ || block.unclear || block.is_unreadable(name.substr(0, name.find('[')))) return;
   complaints_.add(block.place, path, sentence);
 }
 
 void Review::complain_missing_choice(const std::string& block_path, const std::vector<std::string>& members,
                                      const std::string& sentence) {
   const FieldTree& block = block_path.empty() ? tree_ : tree_.deepest(block_path);
-  const auto is_given = [&](const std::string& member) { return block.is_given(member); };
-  if (!braces_match_ || block.unclear || std::any_of(members.begin(), members.end(), is_given)) return;
+  const auto is_unreadable = [&](const std::string& member) { return block.is_unreadable(member); };
+  if (!braces_match_ || block.unclear || std::any_of(members.begin(), members.end(), is_unreadable)) return;
   complaints_.add(block.place, block_path, sentence);
 }
 

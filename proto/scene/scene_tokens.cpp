@@ -3,7 +3,7 @@
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
-#include <sstream>
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -39,12 +39,20 @@ std::string reworded(const std::string& message) {
   return message;
 }
 
+// The same complaint is made once a line: a character outside ASCII alone is several bytes.
 class FaultCollector : public io::ErrorCollector {
  public:
   void AddError(int line, io::ColumnNumber column, const std::string& message) override {
-    faults.push_back({line, column, reworded(message)});
+    const std::string sentence = reworded(message);
+    if (line != last_line_ || sentence != last_sentence_) faults.push_back({line, column, sentence});
+    last_line_ = line;
+    last_sentence_ = sentence;
   }
   std::vector<Token::Fault> faults;
+
+ private:
+  int last_line_ = -1;
+  std::string last_sentence_;
 };
 
 Token::Kind kind_of(io::Tokenizer::TokenType type) {
@@ -62,24 +70,33 @@ Token::Kind kind_of(io::Tokenizer::TokenType type) {
   }
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
+// The tokenizer counts a tab up to the next multiple of eight; editors jump to bytes. Asked in the order of the text.
+class ByteColumns {
+ public:
+  explicit ByteColumns(const std::string& text) : text_(text) {}
 
-// The tokenizer counts a tab up to the next multiple of eight; editors jump to bytes.
-int byte_column(const std::vector<std::string>& lines, int line, int tabbed_column) {
-  if (line >= static_cast<int>(lines.size())) return 1;
-  const std::string& text = lines[static_cast<std::size_t>(line)];
-  int tabbed = 0, byte = 0;
-  while (tabbed < tabbed_column && byte < static_cast<int>(text.size())) {
-    tabbed += text[static_cast<std::size_t>(byte)] == '\t' ? 8 - tabbed % 8 : 1;
-    ++byte;
+  int at(int line, int tabbed_column) {
+    if (line == line_ && tabbed_column < tabbed_) go_to(start_of_line_);
+    for (; line_ < line && place_ < text_.size(); ++line_) {
+      go_to(std::min(text_.find('\n', place_), text_.size() - 1) + 1);
+    }
+    for (; tabbed_ < tabbed_column && place_ < text_.size(); ++place_) {
+      tabbed_ += text_[place_] == '\t' ? 8 - tabbed_ % 8 : 1;
+    }
+    return static_cast<int>(place_ - start_of_line_) + 1;
   }
-  return byte + 1;
-}
+
+ private:
+  void go_to(std::size_t start_of_line) {
+    start_of_line_ = place_ = start_of_line;
+    tabbed_ = 0;
+  }
+
+  const std::string& text_;
+  int line_ = 0;
+  std::size_t start_of_line_ = 0, place_ = 0;
+  int tabbed_ = 0;
+};
 
 }  // namespace
 
@@ -89,9 +106,8 @@ std::vector<Token> split_tokens(const std::string& text) {
   io::Tokenizer tokenizer(&stream, &collector);
   tokenizer.set_comment_style(io::Tokenizer::SH_COMMENT_STYLE);
   tokenizer.set_allow_f_after_float(true);
-  const std::vector<std::string> lines = lines_of(text);
+  ByteColumns columns(text), fault_columns(text);
 
-  Token::Fault last_fault{-1, 0, ""};
   std::vector<Token> tokens;
   for (bool more = true; more;) {
     more = tokenizer.Next();
@@ -100,15 +116,11 @@ std::vector<Token> split_tokens(const std::string& text) {
     token.kind = more ? kind_of(read.type) : Token::end;
     token.word = read.text;
     token.line = read.line + 1;
-    token.column = byte_column(lines, read.line, read.column);
-    token.glued = tokenizer.previous().line == read.line && tokenizer.previous().end_column == read.column;
-    for (const Token::Fault& fault : std::exchange(collector.faults, {})) {
-      // A character outside ASCII is several bytes: one complaint is enough.
-      const bool repeats = last_fault.line == fault.line && last_fault.sentence == fault.sentence;
-      last_fault = fault;
-      if (!repeats)
-        token.faults.push_back({fault.line + 1, byte_column(lines, fault.line, fault.column), fault.sentence});
+    token.column = columns.at(read.line, read.column);
+    for (const Token::Fault& fault : collector.faults) {
+      token.faults.push_back({fault.line + 1, fault_columns.at(fault.line, fault.column), fault.sentence});
     }
+    collector.faults.clear();
     tokens.push_back(std::move(token));
   }
   return tokens;

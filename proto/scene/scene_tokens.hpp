@@ -15,10 +15,9 @@ struct Token {
   };
 
   Kind kind = end;
-  std::string word;    // as written, quotes included
-  int line = 1;        // 1, 2, ...
-  int column = 1;      // 1, 2, ... in bytes
-  bool glued = false;  // no space between this token and the one before it
+  std::string word;  // as written, quotes included
+  int line = 1;      // 1, 2, ...
+  int column = 1;    // 1, 2, ... in bytes
   std::vector<Fault> faults;
   bool mended = false;  // a closing brace that mend_braces put in
   bool extra = false;   // a closing brace that closes nothing

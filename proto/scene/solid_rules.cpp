@@ -77,6 +77,12 @@ bool is_within_limits(const v1::VocalFoldMesh& fold) {
   return fold.superior_lean() >= 0 && fold.superior_lean() < 45;
 }
 
+// Four digits, rounded down: what is written is allowed.
+std::string room_text(double length) {
+  const double unit = std::pow(10, std::floor(std::log10(length)) - 3);
+  return number_text(std::floor(length / unit) * unit);
+}
+
 // The section along the flow: inferior face, T, tangent length r_s tan((90 deg - lean)/2) of the superior fillet, and
 // the lean D tan(lean) of the superior face must fit into the width W.
 void section_exists(const v1::VocalFoldMesh& fold, const std::string& path, Review& review) {
@@ -95,7 +101,7 @@ void section_exists(const v1::VocalFoldMesh& fold, const std::string& path, Revi
   review.complain(path + ".medial_thickness",
                   number_text(fold.medial_thickness()) + " m leaves no inferior face in a fold of width " +
                       number_text(fold.width()) + " m; " +
-                      (room > 0 ? "give less than " + number_text(room) + " m or a larger width"
+                      (room > 0 ? "give less than " + room_text(room) + " m or a larger width"
                                 : "give a larger width or less lean"));
 }
 

@@ -82,12 +82,14 @@ void TokenCursor::skip_value(const std::string& path) {
 void TokenCursor::skip_block(const std::string& path) {
   const Token opening = now();
   int depth = 0;
+  bool is_closed = true;
   do {
     if (now().opens()) ++depth;
     if (now().closes() && !now().extra) --depth;
-    if (now().mended) complain_of_brace(opening, path, "its " + opening.word + " is not closed; add }");
+    is_closed = is_closed && !now().mended;
     advance(path);
   } while (depth > 0 && !at_end());
+  if (!is_closed) complain_of_brace(opening, path, "its " + opening.word + " is not closed; add }");
 }
 
 void TokenCursor::skip_rest_of_line(const std::string& path, bool in_list) {

@@ -63,7 +63,8 @@ std::string nearest_name(const std::string& written, const std::vector<std::stri
     const std::size_t distance =
         is_start ? std::min<std::size_t>(1, candidate.size() - word.size()) : edit_distance(word, candidate);
     if (distance > smallest || distance >= candidate.size()) continue;
-    nearest = distance == smallest ? "" : name;
+    const bool is_the_same = lower(nearest) == candidate;
+    if (!is_the_same) nearest = distance == smallest ? "" : name;
     smallest = distance;
   }
   return nearest;

@@ -1,0 +1,36 @@
+#include "proto/scene/wording.hpp"
+
+#include <gtest/gtest.h>
+
+namespace couplet::scene {
+namespace {
+
+TEST(Wording, WritesNumbersShortAndExact) {
+  EXPECT_EQ(number_text(0.5), "0.5");
+  EXPECT_EQ(number_text(100000), "100000");
+  EXPECT_EQ(number_text(1e-5), "1e-05");
+  EXPECT_EQ(number_text(-1040), "-1040");
+  EXPECT_EQ(std::stod(number_text(1.0 / 3)), 1.0 / 3);
+}
+
+TEST(Wording, FindsTheNearestName) {
+  const std::vector<std::string> names = {"density", "viscosity", "young_modulus"};
+  EXPECT_EQ(nearest_name("densty", names), "density");
+  EXPECT_EQ(nearest_name("dnesity", names), "density");
+  EXPECT_EQ(nearest_name("DENSITY", names), "density");
+  EXPECT_EQ(nearest_name("young", names), "young_modulus");
+  EXPECT_EQ(nearest_name("colour", names), "");
+}
+
+TEST(Wording, FindsNoNearestNameAmongEqualOnes) {
+  EXPECT_EQ(nearest_name("M3", {"M1", "M2"}), "");
+  EXPECT_EQ(nearest_name("m2", {"M1", "M2"}), "M2");
+}
+
+TEST(Wording, ListsNames) {
+  EXPECT_EQ(either_of({"a"}), "a");
+  EXPECT_EQ(either_of({"a", "b", "c"}), "a, b or c");
+}
+
+}  // namespace
+}  // namespace couplet::scene
