@@ -17,11 +17,11 @@ struct Estimate {
   double value = 0;
 };
 
-std::string quantity_text(double value, const std::string& unit) {
+std::string quantity_text(const std::string& name, double value, const std::string& unit) {
   char text[48];
-  if (unit == "B" || unit == "bytes") {
+  if (name.ends_with("bytes")) {
     std::snprintf(text, sizeof text, "%.1f MiB", value / (1024 * 1024));
-  } else if (unit == "1" || unit.empty()) {
+  } else if (unit == "1") {
     std::snprintf(text, sizeof text, std::floor(value) == value ? "%.0f" : "%.4g", value);
   } else {
     std::snprintf(text, sizeof text, "%.4g %s", value, unit.c_str());
@@ -55,7 +55,7 @@ std::string launch_sentence(const v1::Scene& scene) {
 void print(const std::vector<Estimate>& estimates) {
   for (const Estimate& estimate : estimates) {
     std::printf("  %-14s %-28s %s\n", estimate.program.c_str(), estimate.name.c_str(),
-                quantity_text(estimate.value, estimate.unit).c_str());
+                quantity_text(estimate.name, estimate.value, estimate.unit).c_str());
   }
 }
 

@@ -11,7 +11,8 @@
 namespace couplet::launcher {
 
 RunConsole::RunConsole(const std::filesystem::path& log, bool quiet)
-    : log_(log), quiet_(quiet), is_terminal_(isatty(STDERR_FILENO) == 1) {
+    // Appending: the coupler writes its own lines to the same file.
+    : log_(log, std::ios::app), quiet_(quiet), is_terminal_(isatty(STDERR_FILENO) == 1) {
   if (!log_) throw report::FileError(log.string(), "cannot be written", "choose another folder with --out");
 }
 

@@ -63,9 +63,8 @@ std::string summary_table(const store::RunFolder& folder) {
   if (summary.contains("end_time")) text += " to t = " + number(summary["end_time"].get<double>()) + " s";
   if (summary.contains("wall_seconds")) text += " in " + number(summary["wall_seconds"].get<double>(), "%.3g") + " s";
   text += "\n";
-  for (const auto& [name, quantity] : summary.value("quantities", Json::object()).items()) {
-    text += quantity_line(name, quantity);
-  }
+  const Json quantities = summary.value("quantities", Json::object());
+  for (const auto& [name, quantity] : quantities.items()) text += quantity_line(name, quantity);
   return text;
 }
 

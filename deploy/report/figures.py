@@ -1,0 +1,52 @@
+"""Plots as SVG text that stands inside a page: one style, no files, no network."""
+
+import io
+import re
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot  # noqa: E402
+
+COLOURS = ["#2a6f97", "#d1495b", "#edae49", "#66a182", "#6d597a", "#8d99ae", "#3d405b", "#b56576"]
+
+pyplot.rcParams.update({
+    "svg.fonttype": "none", "font.family": "sans-serif", "font.size": 9.5, "axes.prop_cycle": pyplot.cycler(color=COLOURS),
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#555", "axes.labelcolor": "#333",
+    "axes.grid": True, "grid.color": "#e7e7ea", "grid.linewidth": 0.7, "xtick.color": "#555", "ytick.color": "#555",
+    "lines.linewidth": 1.2, "legend.frameon": False, "figure.constrained_layout.use": True, "path.simplify": True,
+    "axes.titlesize": 10, "axes.titlecolor": "#333", "axes.titlelocation": "left", "axes.formatter.useoffset": False,
+})
+
+
+def new_figure(n_rows=1, n_columns=1, width=9.0, height=2.7, **options):
+    """Figure and its axes; sizes in inches, height of one row."""
+    return pyplot.subplots(n_rows, n_columns, figsize=(width, height * n_rows), **options)
+
+
+def svg_of(figure, name):
+    """The figure as SVG that scales with the page. `name` keeps the ids of several figures on one page apart."""
+    matplotlib.rcParams["svg.hashsalt"] = name
+    file = io.StringIO()
+    figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    pyplot.close(figure)
+    text = file.getvalue()
+    text = text[text.index("<svg"):]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.S)
+    text = re.sub(r'<svg ([^>]*?)width="[^"]*"', r"<svg \1", text, count=1)
+    text = re.sub(r'<svg ([^>]*?)height="[^"]*"', r"<svg \1", text, count=1)
+    text = re.sub(r'\bid="((?:figure|axes|patch|line2d|text|matplotlib|xtick|ytick|legend|LineCollection|PathCollection|'
+                  r'QuadMesh|FillBetweenPolyCollection|PolyCollection)[^"]*)"', "", text)
+    return text.strip()
+
+
+SCALES = {"m": (1e3, "mm"), "m^2": (1e6, "mm²"), "m^3/s": (1e6, "ml/s")}
+
+
+def readable(unit):
+    """Factor and name of the unit that a plot shows for an SI unit of tissue mechanics."""
+    return SCALES.get(unit, (1.0, "" if unit == "1" else unit))
+
+
+def label(name, unit):
+    return f"{name} [{unit}]" if unit else name
