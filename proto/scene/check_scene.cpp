@@ -1,5 +1,7 @@
 #include "proto/scene/check_scene.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <system_error>
 
@@ -38,6 +40,14 @@ struct Entry {
     return index < 0 ? reflection.GetMessage(message, &field) : reflection.GetRepeatedMessage(message, &field, index);
   }
 };
+
+bool is_control_character(char c) {
+  return (c >= 0 && c < ' ') || c == 0x7F;
+}
+
+bool is_name_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-' || c == '.';
+}
 
 class FieldCheck {
  public:
@@ -110,12 +120,22 @@ class FieldCheck {
     return {};
   }
 
+  // Texts go into tables, file names, JSON and reports.
   void check_text(const Entry& entry, const std::string& path) {
     const std::string text = entry.text();
     if (entry.field.options().GetExtension(v1::is_file)) check_file(text, path);
     if (entry.field.options().GetExtension(v1::is_expression)) check_expression(text, path);
+    const bool is_name = entry.field.options().GetExtension(v1::is_name);
     const bool is_required = entry.field.options().GetExtension(v1::must_be_given);
-    if (is_required && text.empty()) review_.complain(path, "is empty; " + remedy(entry.field));
+    if (is_required && text.empty()) {
+      review_.complain(path, "is empty; " + remedy(entry.field));
+    } else if (!is_utf8(text)) {
+      review_.complain(path, "is not text in UTF-8; save the scene in UTF-8");
+    } else if (std::any_of(text.begin(), text.end(), is_control_character)) {
+      review_.complain(path, "holds a line break, a tab or another invisible character; write one line of text");
+    } else if (is_name && !std::all_of(text.begin(), text.end(), is_name_character)) {
+      review_.complain(path, "\"" + text + "\" is no name; use letters, digits, _ - and . only");
+    }
   }
 
   void check_file(const std::string& name, const std::string& path) {

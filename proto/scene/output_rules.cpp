@@ -54,6 +54,19 @@ void column_has_its_probe(const std::string& column, const v1::Output& output, c
                                            : suggestion(name, known, "the probes are")));
 }
 
+void window_is_in_the_run(const v1::Quantity& quantity, const std::string& path, double end, Review& review) {
+  if (!(end > 0)) return;
+  if (quantity.until() > end) {
+    review.complain(path + ".until", number_text(quantity.until()) + " s is after the end of the run, " +
+                                         number_text(end) + " s; give an earlier time");
+  } else if (quantity.has_window() && quantity.window() > (quantity.has_until() ? quantity.until() : end)) {
+    const std::string what =
+        quantity.has_until() ? "the time until " + number_text(quantity.until()) : "the run of " + number_text(end);
+    review.complain(path + ".window", number_text(quantity.window()) + " s is longer than " + what +
+                                          " s; give a shorter window or a later end");
+  }
+}
+
 void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& path, const v1::Scene& scene,
                               Review& review) {
   column_has_its_probe(quantity.column(), scene.output(), path + ".column", review);
@@ -68,10 +81,7 @@ void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& p
                                       " Hz but starts at " + number_text(quantity.frequency_from()) +
                                       " Hz; give a frequency_to above frequency_from");
   }
-  if (quantity.has_window() && scene.time().end() > 0 && quantity.window() > scene.time().end()) {
-    review.complain(path + ".window", number_text(quantity.window()) + " s is longer than the run of " +
-                                          number_text(scene.time().end()) + " s; give a shorter window or a later end");
-  }
+  window_is_in_the_run(quantity, path, scene.time().end(), review);
 }
 
 }  // namespace

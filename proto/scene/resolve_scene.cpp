@@ -60,7 +60,9 @@ std::string resolved_scene_text(const v1::Scene& scene) {
   v1::Scene resolved = scene;
   fill_in_defaults(resolved);
   std::string text;
-  google::protobuf::TextFormat::PrintToString(resolved, &text);
+  google::protobuf::TextFormat::Printer printer;
+  printer.SetUseUtf8StringEscaping(true);
+  printer.PrintToString(resolved, &text);
   return "# proto-file: couplet/v1/scene.proto\n# proto-message: couplet.v1.Scene\n# All defaults filled in by "
          "Couplet " +
          report::version() + ", commit " + report::commit() + ".\n\n" + text;

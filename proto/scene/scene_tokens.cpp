@@ -100,7 +100,9 @@ class ByteColumns {
 
 }  // namespace
 
-std::vector<Token> split_tokens(const std::string& text) {
+std::vector<Token> split_tokens(const std::string& whole_text) {
+  // Some editors put the mark of UTF-8 in front, and show it as nothing.
+  const std::string text = whole_text.starts_with("\xEF\xBB\xBF") ? whole_text.substr(3) : whole_text;
   io::ArrayInputStream stream(text.data(), static_cast<int>(text.size()));
   FaultCollector collector;
   io::Tokenizer tokenizer(&stream, &collector);

@@ -29,6 +29,7 @@ std::string paragraph(const std::string& text, int indentation) {
 std::string kind_of(const FieldDescriptor& field) {
   if (field.options().GetExtension(v1::is_file)) return "file";
   if (field.options().GetExtension(v1::is_expression)) return "formula in x, y, z, t, pi";
+  if (field.options().GetExtension(v1::is_name)) return "name";
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_MESSAGE:
       return short_name(*field.message_type());

@@ -70,6 +70,30 @@ std::string nearest_name(const std::string& written, const std::vector<std::stri
   return nearest;
 }
 
+bool is_utf8(const std::string& text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0; };
+    const int first = byte(i), second = byte(i + 1);
+    const std::size_t n_bytes = first < 0x80   ? 1
+                                : first < 0xC2 ? 0
+                                : first < 0xE0 ? 2
+                                : first < 0xF0 ? 3
+                                : first < 0xF5 ? 4
+                                               : 0;
+    if (n_bytes == 0) return false;
+    for (std::size_t k = i + 1; k < i + n_bytes; ++k) {
+      if ((byte(k) & 0xC0) != 0x80) return false;
+    }
+    // Overlong forms, surrogates and what lies beyond U+10FFFF.
+    if (first == 0xE0 && second < 0xA0) return false;
+    if (first == 0xED && second > 0x9F) return false;
+    if (first == 0xF0 && second < 0x90) return false;
+    if (first == 0xF4 && second > 0x8F) return false;
+    i += n_bytes;
+  }
+  return true;
+}
+
 std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& all) {
   const std::string nearest = nearest_name(written, names);
   if (!nearest.empty()) return "did you mean " + nearest + "?";

@@ -142,6 +142,23 @@ TEST(SceneCheck, RefusesAnEmptyTitle) {
               ElementsAre("scene.txtpb:1:1: title: is empty; give it in quotes: one line that says what is computed"));
 }
 
+TEST(SceneCheck, RefusesNamesThatCannotBeColumns) {
+  EXPECT_THAT(
+      complaints_about(with("name: \"frequency\"", "name: \"main line, Hz\"")),
+      ElementsAre("scene.txtpb:39:14: output.quantity[0].name: \"main line, Hz\" is no name; use letters, digits, _ - "
+                  "and . only"));
+}
+
+TEST(SceneCheck, RefusesTextThatIsNoTextOfOneLine) {
+  EXPECT_THAT(
+      complaints_about(with("\"a fold in its own flow\"", "\"a\\nb\"")),
+      ElementsAre("scene.txtpb:1:1: title: holds a line break, a tab or another invisible character; write one line of "
+                  "text"));
+  EXPECT_THAT(complaints_about(with("\"a fold in its own flow\"", "\"K\xF6rper\"")),
+              ElementsAre("scene.txtpb:1:1: title: is not text in UTF-8; save the scene in UTF-8"));
+  EXPECT_THAT(complaints_about(with("\"a fold in its own flow\"", "\"K\xC3\xB6rper\"")), IsEmpty());
+}
+
 TEST(SceneCheck, NamesLineOfNegativeDensity) {
   EXPECT_THAT(
       complaints_about(with("density: 1040", "density: -1")),

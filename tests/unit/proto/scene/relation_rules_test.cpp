@@ -287,6 +287,17 @@ TEST(OutputRules, RefuseAWindowOutsideTheRun) {
                   "window or a later end"));
 }
 
+TEST(OutputRules, RefuseAWindowThatEndsAfterTheRun) {
+  EXPECT_THAT(
+      complaints_about(with("kind: FREQUENCY", "kind: FREQUENCY until: 0.6")),
+      ElementsAre("scene.txtpb:39:49: output.quantity[0].until: 0.6 s is after the end of the run, 0.5 s; give an "
+                  "earlier time"));
+  EXPECT_THAT(
+      complaints_about(with("kind: FREQUENCY", "kind: FREQUENCY until: 0.1 window: 0.2")),
+      ElementsAre("scene.txtpb:39:60: output.quantity[0].window: 0.2 s is longer than the time until 0.1 s; give a "
+                  "shorter window or a later end"));
+}
+
 TEST(OutputRules, RefuseResultsAfterTheRun) {
   EXPECT_THAT(
       complaints_about(with("  probe {", "  results_start: 0.6\n  probe {")),

@@ -306,6 +306,15 @@ TEST(SceneText, RefusesDifferentBracesAroundABlock) {
       ElementsAre("scene.txtpb:21:44: solid.body[0].vocal_fold: a block that { opens is closed by >; use { and }"));
 }
 
+TEST(SceneText, TakesTheMarkAndTheLineEndsOfOtherSystems) {
+  std::string text = "\xEF\xBB\xBF" + with("density: 1040", "density: -1");
+  for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 2))
+    text.insert(end, 1, '\r');
+  EXPECT_THAT(
+      complaints_about(text),
+      ElementsAre("scene.txtpb:23:7: solid.body[0].material.density: -1 is not above 0; give a value above 0 kg/m^3"));
+}
+
 TEST(SceneText, RefusesWhatIsNoText) {
   EXPECT_THAT(complaints_about(std::string("\x89HDF\0\0\0", 7)),
               ElementsAre("scene.txtpb:1:1: this is not a text file; give a scene such as scene.txtpb"));

@@ -27,6 +27,15 @@ TEST(Wording, FindsNoNearestNameAmongEqualOnes) {
   EXPECT_EQ(nearest_name("m2", {"M1", "M2"}), "M2");
 }
 
+TEST(Wording, KnowsUtf8) {
+  for (const std::string text : {"", "abc", "\xC2\xB5", "\xE2\x82\xAC", "\xF0\x9F\x8E\xB5"})
+    EXPECT_TRUE(is_utf8(text)) << text;
+  for (const std::string text :
+       {"\x80", "\xC3", "\xC0\xAF", "\xE0\x80\x80", "\xED\xA0\x80", "\xF5\x80\x80\x80", "a\xFFz"}) {
+    EXPECT_FALSE(is_utf8(text)) << text;
+  }
+}
+
 TEST(Wording, ListsNames) {
   EXPECT_EQ(either_of({"a"}), "a");
   EXPECT_EQ(either_of({"a", "b", "c"}), "a, b or c");
