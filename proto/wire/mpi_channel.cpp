@@ -7,6 +7,7 @@
 
 #include "proto/report/failure.hpp"
 #include "proto/wire/back_off.hpp"
+#include "proto/wire/keep_memory.hpp"
 #include "proto/wire/mpi_heartbeat.hpp"
 #include "proto/wire/mpi_tags.hpp"
 
@@ -174,6 +175,7 @@ class MpiChannel : public Channel {
 
 std::unique_ptr<Channel> make_mpi_channel(MPI_Comm intercommunicator, const std::string& peer,
                                           const MpiOptions& options) {
+  keep_freed_memory();
   return std::make_unique<MpiChannel>(intercommunicator, peer, options);
 }
 
