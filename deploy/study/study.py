@@ -16,9 +16,10 @@ from study_page import study_page  # noqa: E402
 from study_runs import Runner, StudyRun, folder_name  # noqa: E402
 
 COMMAND_LINE_WRONG = 2
+CANNOT_READ = 5
 
 
-def parse_arguments():
+def parse_arguments(words):
     parser = argparse.ArgumentParser(prog="couplet study", description=__doc__)
     parser.add_argument("scene", metavar="SCENE", type=Path)
     parser.add_argument("--vary", action="append", required=True, metavar="PATH=V1,V2,...",
@@ -32,7 +33,7 @@ def parse_arguments():
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the rows to this file")
     parser.add_argument("--solid-threads", type=int, help="threads of the solid server in every run")
     parser.add_argument("--couplet", required=True, help=argparse.SUPPRESS)
-    return parser.parse_args()
+    return parser.parse_args(words)
 
 
 def choose_quantities(runs, wanted):
@@ -44,13 +45,16 @@ def choose_quantities(runs, wanted):
     return wanted or there
 
 
-def main():
-    options = parse_arguments()
+def main(words=None):
+    options = parse_arguments(words)
     try:
         axes = [parse_vary(text) for text in options.vary]
     except ValueError as error:
         print(f"couplet: study: {error}", file=sys.stderr)
         return COMMAND_LINE_WRONG
+    if not options.scene.is_file():
+        print(f"couplet: study: {options.scene}: there is no such scene", file=sys.stderr)
+        return CANNOT_READ
     out = (options.out or Path("runs") / f"study-{options.scene.resolve().parent.name}").resolve()
     combinations = combine(axes)
     print(f"{len(combinations)} runs in {out}", flush=True)

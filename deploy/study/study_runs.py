@@ -1,5 +1,6 @@
 """Runs every combination once; a run that is finished in its folder is not run again."""
 
+import hashlib
 import json
 import re
 import shutil
@@ -38,6 +39,7 @@ class StudyRun:
 class Runner:
     def __init__(self, couplet, scene, settings, extra, say):
         self.couplet, self.scene, self.settings, self.extra, self.say = couplet, scene, settings, extra, say
+        self.scene_hash = hashlib.sha256(scene.read_bytes()).hexdigest()
 
     def run_all(self, runs, n_jobs):
         """Cheap ones first, as far as the settings tell: in the order given."""
@@ -48,15 +50,15 @@ class Runner:
         command = [self.couplet, "run", str(self.scene), "--out", str(run.folder), "--quiet", "--no-report", *self.extra]
         for setting in self.settings + run.combination.settings:
             command += ["--set", setting]
-        stamp = run.folder / "command.txt"
-        if stamp.exists() and stamp.read_text() == "\n".join(command[2:]) and run.read():
+        stamp, wanted = run.folder / "command.txt", "\n".join(command[2:] + ["scene " + self.scene_hash, ""])
+        if stamp.exists() and stamp.read_text() == wanted and run.read():
             self.say(f"  {run.combination.label}: {run.status} before")
             return
         if stamp.exists():  # ours, and of another or an unfinished study
             shutil.rmtree(run.folder)
         done = subprocess.run(command, capture_output=True, text=True)
         run.folder.mkdir(parents=True, exist_ok=True)
-        stamp.write_text("\n".join(command[2:]))
+        stamp.write_text(wanted)
         (run.folder / "exit_code.txt").write_text(str(done.returncode))
         run.read()
         told = done.stderr.strip().splitlines()

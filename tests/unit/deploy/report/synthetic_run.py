@@ -1,0 +1,83 @@
+"""Folders of runs whose content is known: a probe that swings at 130 Hz, a box of 20-node hexahedra, a channel."""
+
+import json
+import math
+
+import h5py
+import numpy
+
+FREQUENCY = 130.0
+SCENE = """
+title: "a synthetic fold"
+time { end: 0.5 step: 1e-5 }
+flow { fluid { density: 1.13 viscosity: 1e-5 } glottis { model: M2 midplane: 0.0021 } }
+solid { body { name: "fold" vocal_fold { medial_thickness: 1e-3 length: 0.02 elements_x: 2 elements_y: 2 elements_z: 2 } } }
+coupling { scheme: SERIAL_IMPLICIT iqn_ils { columns_max: 50 } }
+"""
+
+
+def hex20_box(n_x, n_y, n_z, length):
+    """Node positions and cells of a box of 20-node hexahedra in VTK's order."""
+    corner = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
+    edge = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    local = corner + [tuple((a + b) // 2 for a, b in zip(corner[i], corner[j])) for i, j in edge]
+    number, cells = {}, []
+    for i in range(n_x):
+        for j in range(n_y):
+            for k in range(n_z):
+                cells += [number.setdefault((2 * i + a, 2 * j + b, 2 * k + c), len(number)) for a, b, c in local]
+    position = numpy.array(list(number), dtype=float) * numpy.array(length) / (2 * numpy.array([n_x, n_y, n_z]))
+    return position, numpy.array(cells)
+
+
+def write_result(folder, name, position, cells, times, fields):
+    """One block; `fields` is a function of time that gives a dictionary of arrays."""
+    folder.mkdir(exist_ok=True)
+    with h5py.File(folder / f"{name}.h5", "w") as file:
+        file["mesh/position"], file["mesh/cell"] = position, cells
+        file["field_names"] = ",".join(fields(0.0))
+        file["n_states"], file["time"] = numpy.array([len(times)]), numpy.array(times)
+        for i, time in enumerate(times):
+            values = fields(time)
+            for field, array in values.items():
+                file[f"state/{i}/{field}"] = array.astype("f4")
+            file[f"state/{i}/position"] = (position + values["displacement"]).astype("f4")
+
+
+def swing(time):
+    return 1e-3 * numpy.sin(2 * math.pi * FREQUENCY * time)
+
+
+def write_history(path, n_rows, end):
+    time = numpy.linspace(end / n_rows, end, n_rows)
+    area = 5e-6 + 4e-6 * numpy.sin(2 * math.pi * FREQUENCY * time)
+    columns = {"time [s]": time, "dt [s]": numpy.full(n_rows, end / n_rows), "iterations [1]": numpy.full(n_rows, 3.0),
+               "displacement.change [m]": numpy.full(n_rows, 1e-9), "displacement.relative_change [1]": numpy.full(n_rows, 1e-6),
+               "exit.x [m]": 0 * time, "exit.y [m]": swing(time), "exit.z [m]": 0 * time,
+               "flow.rate [m^3/s]": 40 * area, "flow.smallest_area [m^2]": area, "solid.strain_energy [J]": 1e-6 * area}
+    numpy.savetxt(path, numpy.array(list(columns.values())).T, delimiter=",", header=",".join(columns), comments="")
+
+
+def write_run(folder, n_rows=5000, end=0.5):
+    """A complete run."""
+    folder.mkdir(parents=True)
+    (folder / "resolved_scene.txtpb").write_text(SCENE)
+    write_history(folder / "history.csv", n_rows, end)
+    iterations = [f"{step},{1e-4 * step},1e-4,{k},{10.0 ** -k},{10.0 ** -k}" for step in range(1, 6) for k in (1, 2, 3)]
+    (folder / "iterations.csv").write_text("\n".join(
+        ["step [1],time [s],dt [s],iteration [1],displacement.change [m],displacement.relative_change [1]"] + iterations) + "\n")
+    times = list(numpy.arange(end - 3 / FREQUENCY, end, 1 / FREQUENCY / 40))
+    position, cells = hex20_box(2, 2, 2, (0.004, 0.002, 0.02))
+    write_result(folder / "results", "solid", position, cells, times,
+                 lambda t: {"displacement": numpy.outer(position[:, 1] / 0.002 * swing(t), [0, 1, 0])})
+    line = numpy.zeros((50, 3))
+    line[:, 0] = numpy.linspace(0, 0.01, 50)
+    write_result(folder / "results", "flow", line, numpy.arange(50), times,
+                 lambda t: {"displacement": 0 * line, "pressure": numpy.linspace(1000, 0, 50)[:, None],
+                            "area": numpy.full((50, 1), 5e-6 + 4e-6 * math.sin(2 * math.pi * FREQUENCY * t))})
+    summary = {"status": "finished", "scene": "scene.txtpb", "version": "1", "commit": "abc", "steps": n_rows, "end_time": end,
+               "wall_seconds": 10.0, "core_seconds": 15.0, "coupling": {"iterations_mean": 3.0, "iterations_max": 3},
+               "programs": {"flow": {"seconds": 4.0, "peak_memory_bytes": 1e7}, "solid": {"seconds": 5.0, "peak_memory_bytes": 2e7}},
+               "quantities": {"frequency": {"value": FREQUENCY, "unit": "Hz", "spread": 0.5, "cycles": 26}}}
+    (folder / "summary.json").write_text(json.dumps(summary))
+    return folder
