@@ -2,8 +2,8 @@
 
 #include <gmock/gmock.h>
 
-#include "good_scene.hpp"
 #include "proto/scene/read_scene.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {

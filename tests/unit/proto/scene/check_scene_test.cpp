@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "every_rule.pb.h"
-#include "good_scene.hpp"
+#include <every_rule.pb.h>
 #include "proto/scene/message_parser.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {

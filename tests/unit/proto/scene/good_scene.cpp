@@ -1,4 +1,4 @@
-#include "good_scene.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 #include <stdexcept>
 

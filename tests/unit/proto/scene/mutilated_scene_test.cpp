@@ -8,10 +8,10 @@
 #include <algorithm>
 #include <random>
 
-#include "good_scene.hpp"
 #include "proto/scene/message_parser.hpp"
 #include "proto/scene/read_scene.hpp"
 #include "proto/scene/scene_tokens.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {

@@ -7,8 +7,8 @@
 
 #include <fstream>
 
-#include "good_scene.hpp"
 #include "proto/report/failure.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {

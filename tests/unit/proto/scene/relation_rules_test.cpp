@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "good_scene.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <functional>
 
-#include "good_scene.hpp"
 #include "proto/scene/field_facts.hpp"
 #include "proto/scene/read_scene.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {

@@ -4,8 +4,8 @@
 #include <google/protobuf/text_format.h>
 #include <google/protobuf/util/message_differencer.h>
 
-#include "good_scene.hpp"
 #include "proto/scene/read_scene.hpp"
+#include "tests/unit/proto/scene/good_scene.hpp"
 
 namespace couplet::scene {
 namespace {
