@@ -47,7 +47,8 @@ void settle_summary(const store::RunFolder& folder, const std::string& scene, co
   Json summary = read_summary(folder);
   const std::string wanted = verdict.exit_code != 0 ? "failed" : stop_requested ? "stopped" : "finished";
   const std::string found = summary.value("status", "");
-  if (found == wanted || (verdict.exit_code == 0 && !found.empty() && found != "failed")) return;
+  if (verdict.exit_code == 0 && !found.empty() && found != "failed") return;
+  if (found == wanted && summary.value("failure", "") == verdict.sentence) return;
   summary["status"] = wanted;
   if (verdict.exit_code != 0) summary["failure"] = verdict.sentence;
   if (!summary.contains("scene")) summary["scene"] = scene;

@@ -131,7 +131,7 @@ def probes(run):
         close.plot(*thin(1e3 * time[late], factor * run.history[column][late]))
     whole.set(xlabel="time [s]", ylabel=label("displacement", unit))
     close.set(xlabel="time [ms]", title="the end of the run")
-    whole.legend(loc="upper left", ncols=3, fontsize=8)
+    whole.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8)
     return section("Displacement at the probes", figure(svg_of(chart, "probes"), "Displacement of the probes from their place at rest."),
                    figure(_spectrum(run, columns), "Amplitude spectrum of the second half of the run, Hann window."))
 

@@ -14,8 +14,9 @@ def spectrum(time, values):
     """One-sided amplitude spectrum under a Hann window: (frequency [Hz], amplitude)."""
     step, samples = resample(time, values)
     window = numpy.hanning(len(samples))
-    amplitude = 2 * numpy.abs(numpy.fft.rfft((samples - samples.mean()) * window)) / window.sum()
-    return numpy.fft.rfftfreq(len(samples), step), amplitude
+    n = 4 * len(samples)  # zeros behind the samples draw the lines smoothly
+    amplitude = 2 * numpy.abs(numpy.fft.rfft((samples - samples.mean()) * window, n)) / window.sum()
+    return numpy.fft.rfftfreq(n, step), amplitude
 
 
 def main_frequency(time, values, lowest=20.0, highest=1000.0):

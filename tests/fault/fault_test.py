@@ -1,0 +1,158 @@
+#!/usr/bin/python3
+"""Whatever goes wrong, a run ends in time, with the promised exit code and one clear last line, and leaves readable results."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import h5py
+import meshio
+
+from run_under_test import PROGRAMS, SCENE, Run, descendants, interrupt, still_running
+
+COUPLET = os.environ["COUPLET"]
+ENDS_WITHIN = 10  # [s] from the loss of a program to the end of the run: the promise of the contract
+HEARTBEAT = 2  # [s] a frozen program is given up after this time
+
+
+class FaultCase(unittest.TestCase):
+    def start(self, *arguments, **options):
+        run = Run(COUPLET, *arguments, **options)
+        self.addCleanup(run.close)
+        return run
+
+    def expect_readable_results(self, run, n_steps):
+        """All that was written before stays readable."""
+        summary = run.summary()
+        self.assertEqual(summary["status"], "failed")
+        self.assertTrue(summary["failure"])
+        names, rows = run.history()
+        self.assertGreaterEqual(len(rows), n_steps)
+        self.assertTrue(all(len(row) == len(names) for row in rows))
+        for name in ("solid", "flow"):
+            with h5py.File(run.out / "results" / f"{name}.h5") as file:
+                self.assertGreater(int(file["n_states"][()].ravel()[0]), 0)
+        with meshio.xdmf.TimeSeriesReader(run.out / "results" / "solid.xmf") as reader:
+            points, cells = reader.read_points_cells()
+            time_, fields, _ = reader.read_data(reader.num_steps - 1)
+        self.assertEqual(fields["displacement"].shape, points.shape)
+
+
+class LossTest(FaultCase):
+    """kill -9 and kill -STOP of each of the three programs, over each transport; the cases are added below."""
+
+    def lose(self, transport, program, number, within):
+        run = self.start("--transport", transport, settings=[f"coupling.heartbeat_deadline={HEARTBEAT}"])
+        run.wait_for_steps(40)
+        pids = descendants(run.process.pid)
+        run.send(program, number)
+        code, lines = run.end(within)
+        self.assertEqual(code, 4, lines)
+        self.assertEqual(still_running(pids), [])
+        self.assertEqual(len(lines), 1, "one last line says what happened")
+        self.expect_readable_results(run, 40)
+        return lines[0]
+
+
+def add_loss_tests():
+    def make(transport, program, number, within, words):
+        def test(self):
+            line = self.lose(transport, program, number, within)
+            self.assertTrue(any(word in line for word in words), line)
+        return test
+
+    for transport in ("zmq", "mpi"):
+        for program in PROGRAMS:
+            name = f"{program.replace('-', '_')}_over_{transport}"
+            setattr(LossTest, f"test_killed_{name}",
+                    make(transport, program, signal.SIGKILL, ENDS_WITHIN, ("was killed (signal 9",)))
+            setattr(LossTest, f"test_frozen_{name}",
+                    make(transport, program, signal.SIGSTOP, HEARTBEAT + ENDS_WITHIN, ("stopped by a signal", "sign of life", "lost")))
+
+
+add_loss_tests()
+
+
+class LauncherTest(FaultCase):
+    def test_nothing_outlives_a_killed_launcher(self):
+        for transport in ("zmq", "mpi"):
+            with self.subTest(transport):
+                run = self.start("--transport", transport)
+                run.wait_for_steps(5)
+                pids = descendants(run.process.pid)
+                self.assertGreaterEqual(len(pids), 3)
+                run.process.kill()
+                deadline = time.monotonic() + ENDS_WITHIN
+                while still_running(pids) and time.monotonic() < deadline:
+                    time.sleep(0.05)
+                self.assertEqual(still_running(pids), [])
+
+    def test_interrupt_ends_the_run_in_good_order(self):
+        for transport in ("zmq", "mpi"):
+            with self.subTest(transport):
+                run = self.start("--transport", transport)
+                run.wait_for_steps(5)
+                interrupt(run)
+                code, lines = run.end(ENDS_WITHIN)
+                self.assertEqual(code, 0, lines)
+                self.assertEqual(run.summary()["status"], "stopped")
+
+    def test_a_killed_run_continues_from_its_checkpoint_with_the_same_numbers(self):
+        settings = ["output.checkpoints={every_steps: 25}"]
+        whole = self.start("--steps", "120", settings=settings)
+        self.assertEqual(whole.end(600)[0], 0)
+        run = self.start(settings=settings)
+        run.wait_for_steps(60)
+        run.send("solid-server", signal.SIGKILL)
+        self.assertEqual(run.end(ENDS_WITHIN)[0], 4)
+        resumed = self.start("--resume", str(run.out), "--steps", "70", settings=settings)
+        self.assertEqual(resumed.end(600)[0], 0)
+        expected, found = whole.history()[1], resumed.history()[1]
+        n_rows = min(len(expected), len(found))
+        self.assertGreater(n_rows, 60)
+        self.assertEqual(found[:n_rows], expected[:n_rows])
+
+
+class RefusalTest(FaultCase):
+    def test_a_wrong_scene_is_refused_with_every_complaint_before_anything_starts(self):
+        text = SCENE.read_text().replace("density: 1040", "density: -1").replace("elements_x: 6", "elemnts_x: 6")
+        with tempfile.TemporaryDirectory(prefix="couplet fault ") as folder:
+            scene = Path(folder) / "scene.txtpb"
+            scene.write_text(text)
+            run = self.start(scene=scene)
+            code, lines = run.end(60)
+        self.assertEqual(code, 2)
+        self.assertEqual(len(lines), 3, lines)
+        self.assertRegex(lines[0], r"scene\.txtpb:\d+:\d+: .*elemnts_x.*elements_x")
+        self.assertRegex(lines[1], r"scene\.txtpb:\d+:\d+: .*density: -1 is not above 0")
+        self.assertFalse(run.out.exists())
+
+    def test_a_folder_that_cannot_be_written_is_a_file_failure(self):
+        done = subprocess.run([COUPLET, "run", str(SCENE), "--out", "/dev/null/run"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 5)
+        self.assertIn("/dev/null/run", done.stderr)
+
+    def test_a_run_is_not_overwritten_unasked(self):
+        run = self.start("--steps", "2")
+        self.assertEqual(run.end(60)[0], 0)
+        again = subprocess.run([COUPLET, "run", str(SCENE), "--out", str(run.out)], capture_output=True, text=True)
+        self.assertEqual(again.returncode, 2)
+        self.assertIn("already holds a run", again.stderr)
+
+    def test_a_model_without_equilibrium_is_a_numerical_failure_with_advice(self):
+        run = self.start(settings=["flow.glottis.model=B2", "solid.body[0].vocal_fold.medial_thickness=3.5e-3",
+                                   "flow.glottis.exit_pressure=0"])
+        code, lines = run.end(300)
+        self.assertEqual(code, 3, lines)
+        self.assertIn("diverged", lines[-1])
+        self.assertIn("use M2", lines[-1])
+        self.expect_readable_results(run, 1)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(verbosity=2))
