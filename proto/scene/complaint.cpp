@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "proto/scene/wording.hpp"
+
 namespace couplet::scene {
 
 std::string Complaint::text() const {
@@ -14,11 +16,12 @@ std::string Complaint::text() const {
 
 void ComplaintList::add(const Place& place, const std::string& field, const std::string& sentence) {
   if (place.setting.empty()) {
-    complaints_.push_back({file_, place.line, place.column, field, sentence});
+    complaints_.push_back({file_, place.line, place.column, on_one_line(field), on_one_line(sentence)});
     return;
   }
   const bool names_the_field = place.setting.compare(0, place.setting.find('='), field) == 0;
-  complaints_.push_back({"--set " + place.setting, 0, 0, names_the_field ? "" : field, sentence});
+  complaints_.push_back(
+      {"--set " + on_one_line(place.setting), 0, 0, names_the_field ? "" : on_one_line(field), on_one_line(sentence)});
 }
 
 std::vector<Complaint> ComplaintList::in_order() const {

@@ -70,6 +70,23 @@ std::string nearest_name(const std::string& written, const std::vector<std::stri
   return nearest;
 }
 
+std::string on_one_line(const std::string& text) {
+  constexpr std::size_t longest_word = 200;
+  const bool is_readable = is_utf8(text);
+  std::string shown;
+  std::size_t n_in_word = 0;
+  for (const char c : text) {
+    n_in_word = c == ' ' ? 0 : n_in_word + 1;
+    if (n_in_word == longest_word) shown += "...";
+    if (n_in_word >= longest_word) continue;
+    const bool is_ascii = static_cast<unsigned char>(c) < 0x80;
+    const bool is_visible = is_ascii ? c >= ' ' && c != 0x7F : is_readable;
+    shown += is_visible ? c : '?';
+  }
+  // A cut through a character of several bytes leaves a rest of it.
+  return is_utf8(shown) ? shown : on_one_line(shown);
+}
+
 bool is_utf8(const std::string& text) {
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0; };

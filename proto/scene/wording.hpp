@@ -19,6 +19,10 @@ std::string nearest_name(const std::string& written, const std::vector<std::stri
 /// `did you mean density?` or, when none is near, `ALL density, viscosity`.
 std::string suggestion(const std::string& written, const std::vector<std::string>& names, const std::string& all);
 
+/// What a user wrote as a complaint can show it: line breaks and other invisible characters as question marks, a very
+/// long word cut short.
+std::string on_one_line(const std::string& text);
+
 /// Whether a text is well-formed UTF-8 (Unicode 15, table 3-7).
 bool is_utf8(const std::string& text);
 

@@ -315,6 +315,16 @@ TEST(SceneText, TakesTheMarkAndTheLineEndsOfOtherSystems) {
       ElementsAre("scene.txtpb:23:7: solid.body[0].material.density: -1 is not above 0; give a value above 0 kg/m^3"));
 }
 
+TEST(SceneText, ComplainsInOneLineWhateverAValueHolds) {
+  EXPECT_THAT(
+      complaints_about(with("\"lateral\", \"anterior\"", "\"lat\\neral\"")),
+      ElementsAre(
+          "scene.txtpb:26:13: solid.body[0].fixed[0]: holds a line break, a tab or another invisible character; "
+          "write one line of text",
+          "scene.txtpb:26:13: solid.body[0].fixed[0]: the mesh has no surface \"lat?eral\"; did you mean "
+          "lateral?"));
+}
+
 TEST(SceneText, RefusesWhatIsNoText) {
   EXPECT_THAT(complaints_about(std::string("\x89HDF\0\0\0", 7)),
               ElementsAre("scene.txtpb:1:1: this is not a text file; give a scene such as scene.txtpb"));

@@ -27,6 +27,15 @@ TEST(Wording, FindsNoNearestNameAmongEqualOnes) {
   EXPECT_EQ(nearest_name("m2", {"M1", "M2"}), "M2");
 }
 
+TEST(Wording, ShowsWhatAUserWroteOnOneLine) {
+  EXPECT_EQ(on_one_line("a\nb\x7F \xC2\xB5m"), "a?b? \xC2\xB5m");
+  EXPECT_EQ(on_one_line("K\xF6rper"), "K?rper");
+  EXPECT_EQ(on_one_line(std::string(500, 'x') + " end"), std::string(199, 'x') + "... end");
+  std::string long_word = "x";
+  for (int i = 0; i < 300; ++i) long_word += "\xC2\xB5";
+  EXPECT_TRUE(is_utf8(on_one_line(long_word)));
+}
+
 TEST(Wording, KnowsUtf8) {
   for (const std::string text : {"", "abc", "\xC2\xB5", "\xE2\x82\xAC", "\xF0\x9F\x8E\xB5"})
     EXPECT_TRUE(is_utf8(text)) << text;
