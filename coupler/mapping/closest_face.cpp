@@ -24,15 +24,23 @@ FaceNodes nodes_of(const surface::SurfaceMesh& mesh, std::int64_t face) {
   return nodes;
 }
 
+/// A box that a face does not leave: around its nodes, and for a quadratic face around the control points of its Bezier
+/// form, which are 2 m - (c + c') / 2 for an edge from corner c to c' with midside node m, and one in the middle.
 Box box_around(const FaceNodes& nodes) {
   Box box;
   for (int k = 0; k < nodes.cols(); ++k) box.extend(Vector3d(nodes.col(k)));
-  // A quadratic edge leaves the box of its nodes by at most 1/8 of its length.
-  if (nodes.cols() > 4) {
-    const Vector3d margin = Vector3d::Constant(0.25 * box.diagonal().norm());
-    box.min() -= margin;
-    box.max() += margin;
+  if (nodes.cols() <= 4) return box;
+  const int n_corners = static_cast<int>(nodes.cols()) / 2;
+  Vector3d corners = Vector3d::Zero(), midsides = Vector3d::Zero(), controls = Vector3d::Zero();
+  for (int k = 0; k < n_corners; ++k) {
+    const Vector3d control = 2 * nodes.col(n_corners + k) - 0.5 * (nodes.col(k) + nodes.col((k + 1) % n_corners));
+    box.extend(control);
+    corners += nodes.col(k);
+    midsides += nodes.col(n_corners + k);
+    controls += control;
   }
+  // The middle of a quadrilateral, x = midsides / 2 - corners / 4 = corners / 16 + controls / 8 + middle control / 4
+  if (n_corners == 4) box.extend(Vector3d(2 * midsides - 1.25 * corners - 0.5 * controls));
   return box;
 }
 

@@ -7,60 +7,70 @@ namespace couplet::coupling {
 
 namespace {
 
-using Eigen::RowVector3d;
+using Eigen::Vector3d;
+using surface::NodeArray;
 
-struct Sum {
-  Eigen::VectorXd value;
-  double magnitude = 0;
+struct Sums {
+  Vector3d force = Vector3d::Zero(), moment = Vector3d::Zero();
+  double work = 0;
+  double force_size = 0, moment_size = 0, work_size = 0;  // sums of magnitudes
 };
 
-double relative_difference(const Sum& a, const Sum& b) {
-  const double scale = std::max(a.magnitude, b.magnitude);
-  return scale > 0 ? (a.value - b.value).norm() / scale : 0;
+bool is_vector_field(const NodeArray& field, const NodeArray& force) {
+  return field.rows() == force.rows() && field.cols() == 3;
 }
 
-Sum total_force(const InterfaceSide& side) {
-  return {side.force.colwise().sum().transpose(), side.force.rowwise().norm().sum()};
+Eigen::Map<const Vector3d> node_value(const NodeArray& field, Eigen::Index node) {
+  return Eigen::Map<const Vector3d>(field.data() + 3 * node);
 }
 
-Sum total_moment(const InterfaceSide& side, const RowVector3d& centre) {
-  RowVector3d moment = RowVector3d::Zero();
-  double magnitude = 0;
+Vector3d centre_of(const InterfaceSide& side) {
+  Vector3d sum = Vector3d::Zero();
+  for (Eigen::Index node = 0; node < side.force.rows(); ++node)
+    sum += node_value(side.reference, node) + node_value(side.displacement, node);
+  return sum / static_cast<double>(side.force.rows());
+}
+
+Sums sums_of(const InterfaceSide& side, bool has_position, bool has_motion, const Vector3d& centre) {
+  Sums sums;
   for (Eigen::Index node = 0; node < side.force.rows(); ++node) {
-    const RowVector3d force = side.force.row(node), arm = side.position.row(node) - centre;
-    moment += arm.cross(force);
-    magnitude += std::sqrt(arm.squaredNorm() * force.squaredNorm());
+    const Vector3d force = node_value(side.force, node);
+    const double square = force.squaredNorm();
+    sums.force += force;
+    sums.force_size += std::sqrt(square);
+    if (has_position) {
+      const Vector3d arm = node_value(side.reference, node) + node_value(side.displacement, node) - centre;
+      sums.moment += arm.cross(force);
+      sums.moment_size += std::sqrt(arm.squaredNorm() * square);
+    }
+    if (has_motion) {
+      const Vector3d motion = node_value(side.motion, node);
+      sums.work += motion.dot(force);
+      sums.work_size += std::sqrt(motion.squaredNorm() * square);
+    }
   }
-  return {moment.transpose(), magnitude};
+  return sums;
 }
 
-Sum total_work(const InterfaceSide& side) {
-  double work = 0, magnitude = 0;
-  for (Eigen::Index node = 0; node < side.force.rows(); ++node) {
-    work += side.force.row(node).dot(side.motion.row(node));
-    magnitude += std::sqrt(side.force.row(node).squaredNorm() * side.motion.row(node).squaredNorm());
-  }
-  return {Eigen::VectorXd::Constant(1, work), magnitude};
-}
-
-bool is_vector_field(const surface::NodeArray& field, const surface::NodeArray& force) {
-  return field.rows() == force.rows() && field.cols() == 3 && force.cols() == 3;
+double relative(double difference, double size_a, double size_b) {
+  const double size = std::max(size_a, size_b);
+  return size > 0 ? difference / size : 0;
 }
 
 }  // namespace
 
 ConservationError compare_sides(const InterfaceSide& flow, const InterfaceSide& solid) {
-  ConservationError error;
-  error.force = relative_difference(total_force(flow), total_force(solid));
-  if (is_vector_field(flow.position, flow.force) && is_vector_field(solid.position, solid.force)) {
-    const RowVector3d centre = solid.position.colwise().mean();
-    error.moment = relative_difference(total_moment(flow, centre), total_moment(solid, centre));
-  }
-  const auto has_work = [](const InterfaceSide& side) {
-    return side.motion.rows() == side.force.rows() && side.motion.cols() == side.force.cols();
+  if (flow.force.cols() != 3 || solid.force.cols() != 3) return {};
+  const auto has_position = [](const InterfaceSide& side) {
+    return is_vector_field(side.reference, side.force) && is_vector_field(side.displacement, side.force);
   };
-  if (has_work(flow) && has_work(solid)) error.work = relative_difference(total_work(flow), total_work(solid));
-  return error;
+  const bool positions = has_position(flow) && has_position(solid);
+  const bool motions = is_vector_field(flow.motion, flow.force) && is_vector_field(solid.motion, solid.force);
+  const Vector3d centre = positions ? centre_of(flow) : Vector3d::Zero();
+  const Sums a = sums_of(flow, positions, motions, centre), b = sums_of(solid, positions, motions, centre);
+  return {relative((a.force - b.force).norm(), a.force_size, b.force_size),
+          relative((a.moment - b.moment).norm(), a.moment_size, b.moment_size),
+          relative(std::abs(a.work - b.work), a.work_size, b.work_size)};
 }
 
 }  // namespace couplet::coupling

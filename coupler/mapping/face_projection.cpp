@@ -53,27 +53,43 @@ std::optional<FacePoint> project_inside(const FaceNodes& nodes, const Vector3d& 
   return std::nullopt;
 }
 
-/// Closest point of an edge from one corner to another, starting from three places along it.
-FacePoint project_on_edge(const FaceNodes& nodes, const Vector3d& point, const Vector2d& from, const Vector2d& to) {
-  FacePoint best{0, 0, std::numeric_limits<double>::infinity()};
+/// x(s) = start + s slope + s^2 bend, 0 <= s <= 1: an edge between two corners, through its midside node where there is
+/// one.
+struct Edge {
+  Vector3d start, slope, bend;
+
+  Vector3d offset(double along, const Vector3d& point) const { return start + along * (slope + along * bend) - point; }
+};
+
+Edge edge_between(const FaceNodes& nodes, int from, int to, int n_corners) {
+  const Vector3d first = nodes.col(from), last = nodes.col(to);
+  if (nodes.cols() == n_corners) return {first, last - first, Vector3d::Zero()};
+  const Vector3d middle = nodes.col(n_corners + from);
+  return {first, 4 * middle - 3 * first - last, 2 * first + 2 * last - 4 * middle};
+}
+
+struct EdgePoint {
+  double along = 0;
+  double squared_distance = std::numeric_limits<double>::infinity();
+};
+
+/// Gauss-Newton from the best of some places along the edge: the distance to a curved edge may have two minima.
+EdgePoint project_on_edge(const Edge& edge, const Vector3d& point) {
+  EdgePoint best;
   const auto consider = [&](double along) {
-    const Vector2d at = along <= 0 ? from : along >= 1 ? to : Vector2d(from + along * (to - from));
-    const double squared_distance = place_at(nodes, point, at).offset.squaredNorm();
-    if (squared_distance < best.squared_distance) best = {at(0), at(1), squared_distance};
+    const double squared_distance = edge.offset(along, point).squaredNorm();
+    if (squared_distance < best.squared_distance) best = {along, squared_distance};
   };
-  for (double along : {0.0, 0.5, 1.0}) {
-    consider(along);
-    for (int iteration = 0; iteration < iterations_max; ++iteration) {
-      const Place place = place_at(nodes, point, from + along * (to - from));
-      const Vector3d tangent = (to - from)(0) * place.a + (to - from)(1) * place.b;
-      const double next = std::clamp(along - tangent.dot(place.offset) / tangent.squaredNorm(), 0.0, 1.0);
-      const double step = std::abs(next - along);
-      along = next;
-      if (!(step > step_tolerance)) break;
-    }
-    consider(along);
-    if (nodes.cols() <= 4) break;  // straight edges have one minimum
+  for (const double along : {0.0, 0.25, 0.5, 0.75, 1.0}) consider(along);
+  double along = best.along;
+  for (int iteration = 0; iteration < iterations_max; ++iteration) {
+    const Vector3d tangent = edge.slope + 2 * along * edge.bend;
+    const double next = std::clamp(along - tangent.dot(edge.offset(along, point)) / tangent.squaredNorm(), 0.0, 1.0);
+    const double step = std::abs(next - along);
+    along = next;
+    if (!(step > step_tolerance)) break;
   }
+  consider(along);
   return best;
 }
 
@@ -81,15 +97,20 @@ FacePoint project_on_edge(const FaceNodes& nodes, const Vector3d& point, const V
 
 FacePoint project_on_face(const FaceNodes& nodes, const Vector3d& point) {
   if (const auto foot = project_inside(nodes, point)) return *foot;
+  using Corners = std::array<Vector2d, 4>;
   const bool triangle = is_triangle(static_cast<int>(nodes.cols()));
   const int n_corners = triangle ? 3 : 4;
-  const std::array<Vector2d, 4> corner =
-      triangle ? std::array<Vector2d, 4>{Vector2d(0, 0), Vector2d(1, 0), Vector2d(0, 1)}
-               : std::array<Vector2d, 4>{Vector2d(-1, -1), Vector2d(1, -1), Vector2d(1, 1), Vector2d(-1, 1)};
+  const Corners corner = triangle ? Corners{Vector2d(0, 0), Vector2d(1, 0), Vector2d(0, 1)}
+                                  : Corners{Vector2d(-1, -1), Vector2d(1, -1), Vector2d(1, 1), Vector2d(-1, 1)};
   FacePoint best{0, 0, std::numeric_limits<double>::infinity()};
-  for (int k = 0; k < n_corners; ++k) {
-    const FacePoint candidate = project_on_edge(nodes, point, corner[k], corner[(k + 1) % n_corners]);
-    if (candidate.squared_distance < best.squared_distance) best = candidate;
+  for (int from = 0; from < n_corners; ++from) {
+    const int to = (from + 1) % n_corners;
+    const EdgePoint found = project_on_edge(edge_between(nodes, from, to, n_corners), point);
+    if (!(found.squared_distance < best.squared_distance)) continue;
+    // The ends are taken as they are, so that nodes get weights of exactly 0 and 1.
+    const Vector2d at =
+        found.along == 1 ? corner[to] : Vector2d(corner[from] + found.along * (corner[to] - corner[from]));
+    best = {at(0), at(1), found.squared_distance};
   }
   return best;
 }

@@ -103,13 +103,12 @@ NodeArray Mapping::force_to_solid(const NodeArray& flow_force, const NodeArray& 
 ConservationError Mapping::conservation_error(const NodeArray& flow_force, const NodeArray& solid_force,
                                               const NodeArray& solid_displacement,
                                               const NodeArray& solid_motion) const {
-  NodeArray flow_position, solid_position, flow_motion;
-  if (solid_displacement.rows() == solid_position_.rows() && solid_displacement.cols() == solid_position_.cols()) {
-    flow_position = flow_position_ + displacement_to_flow(solid_displacement);
-    solid_position = solid_position_ + solid_displacement;
-  }
+  const InterfaceSide solid{solid_force, solid_position_, solid_displacement, solid_motion};
+  if (is_identity_) return compare_sides({flow_force, flow_position_, solid_displacement, solid_motion}, solid);
+  NodeArray flow_displacement, flow_motion;
+  if (solid_displacement.rows() == solid_position_.rows()) flow_displacement = displacement_to_flow(solid_displacement);
   if (solid_motion.rows() == solid_position_.rows()) flow_motion = velocity_to_flow(solid_motion, solid_displacement);
-  return compare_sides({flow_force, flow_position, flow_motion}, {solid_force, solid_position, solid_motion});
+  return compare_sides({flow_force, flow_position_, flow_displacement, flow_motion}, solid);
 }
 
 }  // namespace couplet::coupling

@@ -6,7 +6,16 @@ namespace couplet::store {
 
 namespace {
 
-/// Upward crossings of a level in units of samples.
+/// Mean over `reach` samples to both sides; its first value belongs to sample `reach`.
+Eigen::VectorXd averaged(const Eigen::VectorXd& values, Eigen::Index reach) {
+  const Eigen::Index width = 2 * reach + 1;
+  if (values.size() < width) return {};
+  Eigen::VectorXd result(values.size() - width + 1);
+  for (Eigen::Index k = 0; k < result.size(); ++k) result(k) = values.segment(k, width).mean();
+  return result;
+}
+
+/// Upward crossings of a level, in units of samples.
 std::vector<double> upward_crossings(const Eigen::VectorXd& values, double level, double shortest_cycle) {
   std::vector<double> crossings;
   for (Eigen::Index k = 0; k + 1 < values.size(); ++k) {
@@ -55,7 +64,10 @@ Cycle measure(const UniformSeries& series, double from, double to) {
 }  // namespace
 
 std::vector<Cycle> cut_cycles(const UniformSeries& series, double period) {
-  const auto crossings = upward_crossings(series.values, series.values.mean(), 0.5 * period / series.step);
+  const double samples_per_period = period / series.step;
+  const auto reach = static_cast<Eigen::Index>(samples_per_period / 4);
+  auto crossings = upward_crossings(averaged(series.values, reach), series.values.mean(), 0.5 * samples_per_period);
+  for (double& crossing : crossings) crossing += static_cast<double>(reach);
   std::vector<Cycle> cycles;
   for (std::size_t k = 0; k + 1 < crossings.size(); ++k)
     cycles.push_back(measure(series, crossings[k], crossings[k + 1]));

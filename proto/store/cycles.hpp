@@ -15,8 +15,9 @@ struct Cycle {
   double smallest = 0;
 };
 
-/// Cycles from one upward crossing of the series' mean to the next. Crossings that follow the one before within half a
-/// `period` are ripples inside a cycle. Only whole cycles count.
+/// Cycles from one upward crossing of the series' mean to the next. Crossings are those of the series averaged over
+/// half a `period` around each sample, so that ripples and noise do not cut a cycle; two are at least half a period
+/// apart. Only whole cycles count.
 std::vector<Cycle> cut_cycles(const UniformSeries& series, double period);
 
 }  // namespace couplet::store

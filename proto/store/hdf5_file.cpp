@@ -23,17 +23,19 @@ using Guard = std::lock_guard<std::recursive_mutex>;
 /// Closes an HDF5 object at the end of its scope.
 class Handle {
  public:
-  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  Handle(hid_t id, herr_t (*closer)(hid_t)) : id_(id), closer_(closer) {}
   Handle(const Handle&) = delete;
   Handle& operator=(const Handle&) = delete;
   ~Handle() {
-    if (id_ >= 0) close_(id_);
+    if (id_ >= 0) closer_(id_);
   }
   operator hid_t() const { return id_; }  // NOLINT: stands for the id in every call
+  /// For objects whose last bytes are written now: false when they were not.
+  bool close() { return closer_(std::exchange(id_, hid_t{-1})) >= 0; }
 
  private:
   hid_t id_;
-  herr_t (*close_)(hid_t);
+  herr_t (*closer_)(hid_t);
 };
 
 herr_t keep_first(unsigned, const H5E_error2_t* error, void* reason) {
@@ -55,8 +57,14 @@ std::string reason() {
   return text.substr(from, text.find('\'', from) - from);
 }
 
-void silence_library() {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+/// Before the first use: no messages of its own, and no work at the end of the process (where it would try once more to
+/// write what could not be written, and crash; files that are well have been closed by then).
+void prepare_library() {
+  static const bool is_prepared = [] {
+    H5dont_atexit();
+    return H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr) >= 0;
+  }();
+  (void)is_prepared;
 }
 
 Handle access_properties() {
@@ -89,7 +97,7 @@ std::vector<hsize_t> shape_of(const surface::NodeArray& values) {
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   const Guard guard(hdf5_guard());
-  silence_library();
+  prepare_library();
   const Handle access = access_properties();
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   if (file < 0) refuse_file(path, "cannot make this file", "check the folder and its permissions");
@@ -98,7 +106,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
 
 Hdf5File Hdf5File::open_for_reading(const std::filesystem::path& path) {
   const Guard guard(hdf5_guard());
-  silence_library();
+  prepare_library();
   const Handle access = access_properties();
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
   if (file < 0) refuse_file(path, "cannot read this as an HDF5 file", "check the path, or make the file again");
@@ -107,7 +115,7 @@ Hdf5File Hdf5File::open_for_reading(const std::filesystem::path& path) {
 
 Hdf5File Hdf5File::open_for_appending(const std::filesystem::path& path) {
   const Guard guard(hdf5_guard());
-  silence_library();
+  prepare_library();
   const Handle access = access_properties();
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, access);
   if (file < 0) refuse_file(path, "cannot write to this as an HDF5 file", "check the path and its permissions");
@@ -115,19 +123,25 @@ Hdf5File Hdf5File::open_for_appending(const std::filesystem::path& path) {
 }
 
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
-    : path_(std::move(other.path_)), file_(std::exchange(other.file_, hid_t{-1})) {}
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, hid_t{-1})), is_broken_(other.is_broken_) {}
 
 Hdf5File::~Hdf5File() {
   const Guard guard(hdf5_guard());
-  if (file_ >= 0) H5Fclose(file_);
+  if (file_ >= 0 && !is_broken_) H5Fclose(file_);
 }
 
 void Hdf5File::refuse(const std::string& name, const std::string& sentence) const {
   refuse_file(path_, "dataset '" + name + "': " + sentence, "");
 }
 
+void Hdf5File::break_off(const std::string& name, const std::string& sentence) {
+  is_broken_ = true;
+  refuse_file(path_, (name.empty() ? "" : "dataset '" + name + "': ") + sentence,
+              "free some space and resume from the last checkpoint");
+}
+
 hid_t Hdf5File::make_dataset(const std::string& name, hid_t type, const std::vector<hsize_t>& shape, bool reserved) {
-  if (contains(name) && H5Ldelete(file_, name.c_str(), H5P_DEFAULT) < 0) refuse(name, "cannot be replaced");
+  if (contains(name) && H5Ldelete(file_, name.c_str(), H5P_DEFAULT) < 0) break_off(name, "cannot be replaced");
   const Handle space(
       shape.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
       H5Sclose);
@@ -139,17 +153,18 @@ hid_t Hdf5File::make_dataset(const std::string& name, hid_t type, const std::vec
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
   }
   const hid_t dataset = H5Dcreate2(file_, name.c_str(), type, space, links, creation, H5P_DEFAULT);
-  if (dataset < 0) refuse(name, "cannot be made");
+  if (dataset < 0) break_off(name, "cannot be made");
   return dataset;
 }
 
 void Hdf5File::write_dataset(const std::string& name, hid_t file_type, hid_t memory_type,
                              const std::vector<hsize_t>& shape, const void* values) {
   const Guard guard(hdf5_guard());
-  const Handle dataset(make_dataset(name, file_type, shape, false), H5Dclose);
+  Handle dataset(make_dataset(name, file_type, shape, false), H5Dclose);
   const bool is_empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
   if (!is_empty && H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-    refuse(name, "cannot be written");
+    break_off(name, "cannot be written");
+  if (!dataset.close()) break_off(name, "cannot be written");
 }
 
 std::int64_t Hdf5File::reserve(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
@@ -286,15 +301,15 @@ std::string Hdf5File::read_text(const std::string& name) const {
 
 void Hdf5File::flush() {
   const Guard guard(hdf5_guard());
-  if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0)
-    refuse_file(path_, "cannot be written to the disk", "free some space and resume from the last checkpoint");
+  if (is_broken_ || H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) break_off("", "cannot be written to the disk");
 }
 
 void Hdf5File::close() {
   if (file_ < 0) return;
   flush();
   const Guard guard(hdf5_guard());
-  if (H5Fclose(std::exchange(file_, hid_t{-1})) < 0) refuse_file(path_, "cannot be closed", "free some space");
+  if (H5Fclose(file_) < 0) break_off("", "cannot be closed");
+  file_ = -1;
 }
 
 }  // namespace couplet::store

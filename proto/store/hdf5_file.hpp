@@ -56,6 +56,7 @@ class Hdf5File {
  private:
   Hdf5File(std::filesystem::path path, hid_t file) : path_(std::move(path)), file_(file) {}
   [[noreturn]] void refuse(const std::string& name, const std::string& sentence) const;
+  [[noreturn]] void break_off(const std::string& name, const std::string& sentence);
   hid_t make_dataset(const std::string& name, hid_t type, const std::vector<hsize_t>& shape, bool reserved);
   void write_dataset(const std::string& name, hid_t file_type, hid_t memory_type, const std::vector<hsize_t>& shape,
                      const void* values);
@@ -64,6 +65,7 @@ class Hdf5File {
   hid_t open_dataset(const std::string& name, H5T_class_t expected, const std::string& what) const;
   std::filesystem::path path_;
   hid_t file_ = -1;
+  bool is_broken_ = false;  // a write has failed; the library is not asked to try again, which ends in a crash
 };
 
 }  // namespace couplet::store

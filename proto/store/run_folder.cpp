@@ -18,14 +18,15 @@ namespace {
                           error == ENOSPC ? "free some space" : "check the path and its permissions");
 }
 
-void write_all(int file, const std::filesystem::path& path, const std::string& text) {
+void write_all(int file, const std::filesystem::path& part, const std::filesystem::path& path,
+               const std::string& text) {
   std::size_t written = 0;
   while (written < text.size()) {
     const auto count = ::write(file, text.data() + written, text.size() - written);
     if (count < 0 && errno != EINTR) {
       const int error = errno;
       ::close(file);
-      ::unlink(path.c_str());
+      ::unlink(part.c_str());
       refuse(path, "cannot write", error);
     }
     if (count > 0) written += static_cast<std::size_t>(count);
@@ -45,7 +46,7 @@ void write_file(const std::filesystem::path& path, const std::string& text) {
   const std::filesystem::path part = path.string() + ".part";
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) refuse(path, "cannot write", errno);
-  write_all(file, part, text);
+  write_all(file, part, path, text);
   if (::close(file) != 0) refuse(path, "cannot write", errno);  // some file systems report a full disk only here
   std::error_code error;
   std::filesystem::rename(part, path, error);

@@ -1,0 +1,80 @@
+#include "proto/store/checkpoint_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "proto/report/failure.hpp"
+#include "proto/store/run_folder.hpp"
+#include "tests/unit/proto/store/temporary_folder.hpp"
+
+namespace couplet::store {
+namespace {
+
+std::vector<std::int64_t> complete_steps(const std::filesystem::path& checkpoints) {
+  std::vector<std::int64_t> steps;
+  for (const auto& folder : complete_checkpoints(checkpoints)) steps.push_back(folder.step);
+  return steps;
+}
+
+void write_checkpoint(const std::filesystem::path& checkpoints, std::int64_t step) {
+  const auto folder = make_checkpoint_folder(checkpoints, step);
+  write_file(folder.participant_file("solid"), "state");
+  complete_checkpoint(folder);
+}
+
+TEST(CheckpointFolder, KeepsTheNewestTwoCompleteOnes) {
+  const TemporaryFolder run;
+  for (const int step : {5, 10, 100}) write_checkpoint(run / "checkpoint", step);
+  EXPECT_THAT(complete_steps(run / "checkpoint"), testing::ElementsAre(10, 100));
+  EXPECT_TRUE(std::filesystem::exists(run / "checkpoint" / "step-0000000100" / "solid.h5"));
+  EXPECT_FALSE(std::filesystem::exists(run / "checkpoint" / "step-0000000005"));
+}
+
+TEST(CheckpointFolder, DoesNotCountOneThatACrashLeftIncomplete) {
+  const TemporaryFolder run;
+  for (const int step : {5, 10}) write_checkpoint(run / "checkpoint", step);
+  const auto torn = make_checkpoint_folder(run / "checkpoint", 15);
+  write_file(torn.participant_file("solid"), "sta");
+  EXPECT_EQ(find_checkpoint(run.path()).step, 10);
+  EXPECT_THROW(find_checkpoint(torn.path), report::FileError);
+  write_checkpoint(run / "checkpoint", 20);
+  EXPECT_THAT(complete_steps(run / "checkpoint"), testing::ElementsAre(10, 20));
+  EXPECT_FALSE(std::filesystem::exists(torn.path)) << "it goes with the next complete one";
+}
+
+TEST(CheckpointFolder, IsFoundFromRunFolderCheckpointFolderAndStepFolder) {
+  const TemporaryFolder run;
+  for (const int step : {5, 10}) write_checkpoint(run / "checkpoint", step);
+  EXPECT_EQ(find_checkpoint(run.path()).step, 10);
+  EXPECT_EQ(find_checkpoint(run.path().string() + "/").step, 10);
+  EXPECT_EQ(find_checkpoint(run / "checkpoint").step, 10);
+  EXPECT_EQ(find_checkpoint(run / "checkpoint" / "step-0000000005").step, 5);
+}
+
+TEST(CheckpointFolder, SaysWhenThereIsNone) {
+  const TemporaryFolder run;
+  try {
+    find_checkpoint(run.path());
+    FAIL() << "was found";
+  } catch (const report::FileError& error) {
+    EXPECT_EQ(error.where(), run.path().string());
+    EXPECT_EQ(error.sentence(), "there is no complete checkpoint here");
+  }
+}
+
+TEST(CheckpointFolder, DropsLaterOnesOnceAResumedRunWritesItsOwn) {
+  const TemporaryFolder run;
+  for (const int step : {5, 10}) write_checkpoint(run / "checkpoint", step);
+  write_checkpoint(run / "checkpoint", 7);  // resumed from 5
+  EXPECT_THAT(complete_steps(run / "checkpoint"), testing::ElementsAre(5, 7));
+}
+
+TEST(CheckpointFolder, LeavesOtherFilesAlone) {
+  const TemporaryFolder run;
+  std::filesystem::create_directories(run / "checkpoint" / "step-by-step");
+  for (const int step : {5, 10, 15}) write_checkpoint(run / "checkpoint", step);
+  EXPECT_TRUE(std::filesystem::exists(run / "checkpoint" / "step-by-step"));
+}
+
+}  // namespace
+}  // namespace couplet::store
