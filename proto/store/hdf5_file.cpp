@@ -199,8 +199,10 @@ void Hdf5File::write(const std::string& name, const surface::NodeArray& values) 
   write_dataset(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, shape_of(values), values.data());
 }
 
-void Hdf5File::write(const std::string& name, const std::vector<std::int64_t>& values) {
-  write_dataset(name, H5T_STD_I64LE, H5T_NATIVE_INT64, {static_cast<hsize_t>(values.size())}, values.data());
+void Hdf5File::write(const std::string& name, const std::vector<std::int64_t>& values, std::int64_t n_columns) {
+  std::vector<hsize_t> shape{static_cast<hsize_t>(values.size()) / static_cast<hsize_t>(n_columns)};
+  if (n_columns > 1) shape.push_back(static_cast<hsize_t>(n_columns));
+  write_dataset(name, H5T_STD_I64LE, H5T_NATIVE_INT64, shape, values.data());
 }
 
 void Hdf5File::write_float(const std::string& name, const surface::NodeArray& values) {

@@ -27,7 +27,7 @@ class Hdf5File {
 
   /// Whole arrays, (n_rows, n_columns). Groups in the name ("a/b") are made.
   void write(const std::string& name, const surface::NodeArray& values);
-  void write(const std::string& name, const std::vector<std::int64_t>& values);
+  void write(const std::string& name, const std::vector<std::int64_t>& values, std::int64_t n_columns = 1);
   void write_float(const std::string& name, const surface::NodeArray& values);  // stored in single precision
   surface::NodeArray read(const std::string& name) const;
   std::vector<std::int64_t> read_integers(const std::string& name) const;

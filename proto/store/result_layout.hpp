@@ -3,7 +3,7 @@
 //
 //   NAME.h5, NAME.0001.h5, ...   blocks of states, in order of time; the first holds the mesh too
 //     mesh/position   double (n_nodes, 3)       reference position [m]
-//     mesh/cell       integer                   nodes of the cells, one after the other
+//     mesh/cell       integer (n_cells, n)      nodes of the cells; a polyline is stored as its segments
 //     mesh/shape      text                      polyline or hexahedron20
 //     field_names     text                      separated by commas
 //     n_states        integer (1)               states that are complete in this block
@@ -15,7 +15,13 @@
 #include <filesystem>
 #include <string>
 
+#include "proto/store/result_file.hpp"
+
 namespace couplet::store {
+
+inline std::int64_t nodes_per_cell(CellShape shape) {
+  return shape == CellShape::polyline ? 2 : 20;
+}
 
 inline std::string block_file_name(const std::string& name, int block) {
   if (block == 0) return name + ".h5";

@@ -17,7 +17,7 @@ namespace {
 
 void write_mesh(Hdf5File& file, const ResultMesh& mesh) {
   file.write("mesh/position", mesh.node_position);
-  file.write("mesh/cell", mesh.cell_node);
+  file.write("mesh/cell", mesh.cell_node, nodes_per_cell(mesh.shape));
   file.write_text("mesh/shape", mesh.shape == CellShape::polyline ? "polyline" : "hexahedron20");
 }
 

@@ -45,13 +45,12 @@ std::string data_item(const std::string& type, int bytes, const std::string& dim
 
 std::string topology(const XdmfMesh& mesh) {
   const bool is_line = mesh.shape == CellShape::polyline;
-  const int nodes_per_cell = is_line ? 2 : 20;
-  const std::string n_cells = std::to_string(mesh.n_cell_nodes / nodes_per_cell);
+  const std::int64_t n_columns = nodes_per_cell(mesh.shape);
+  const std::string n_cells = std::to_string(mesh.n_cell_nodes / n_columns);
   const std::string kind =
       is_line ? "TopologyType=\"Polyline\" NodesPerElement=\"2\"" : "TopologyType=\"Hexahedron_20\"";
   return "<Topology " + kind + " NumberOfElements=\"" + n_cells + "\">" +
-         data_item("Int", 8, n_cells + " " + std::to_string(nodes_per_cell), mesh.file + ":/mesh/cell") +
-         "</Topology>\n";
+         data_item("Int", 8, n_cells + " " + std::to_string(n_columns), mesh.file + ":/mesh/cell") + "</Topology>\n";
 }
 
 }  // namespace
