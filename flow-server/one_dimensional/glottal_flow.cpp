@@ -47,9 +47,9 @@ void GlottalFlow::start(const SectionProfile& profile, const EndPressures& press
 
 const GlottalSolution& GlottalFlow::solve(const SectionProfile& profile, const EndPressures& pressures,
                                           double duration) {
-  const BackwardDifference rate = law_.unsteady
-                                      ? backward_difference(duration, history_.previous_step, history_.has_earlier)
-                                      : BackwardDifference{};
+  const bool use_earlier = law_.time_derivative == TimeDerivative::bdf2 && history_.has_earlier;
+  const BackwardDifference rate =
+      law_.unsteady ? backward_difference(duration, history_.previous_step, use_earlier) : BackwardDifference{};
   trial_step_ = duration;
   solve_trial(profile, pressures, rate);
   return trial_;
@@ -144,7 +144,10 @@ void GlottalFlow::find_drops(const SectionProfile& profile, const BackwardDiffer
     drops_.lower[k] = rho * (half * rate.now + mesh);
     drops_.upper[k] = rho * (half * rate.now - mesh);
     drops_.rest[k] = rho * half * (old_rate(k) + old_rate(k + 1));
-    drops_.recovery[k] = k < trial_.throat ? 1.0 : law_.smallest_recovery;
+    // chi = 1 where the section converges, chi_min where it diverges. Asking each interval, and not on which side of
+    // the smallest section it lies, keeps the pressure a continuous function of the shape when the throat jumps.
+    const bool converges = trial_.effective_area[k + 1] < trial_.effective_area[k];
+    drops_.recovery[k] = converges ? 1.0 : law_.smallest_recovery;
   }
   for (int k = 0; k < n_rubbing; ++k) {
     const double half = 0.5 * (trial_.position[k + 1] - trial_.position[k]);

@@ -10,6 +10,11 @@ enum class GlottalModel {
   m2,  // the same with the entrance effect
 };
 
+enum class TimeDerivative {
+  backward_euler,  // first order; damps what one step cannot resolve
+  bdf2,            // second order
+};
+
 /// The numbers of the momentum equation [Chang, eqs. 5.1-5.6, 6.1-6.4], see README.md. Bernoulli is the case C0 = 0,
 /// chi = 1.
 struct GlottalLaw {
@@ -18,9 +23,10 @@ struct GlottalLaw {
   double viscosity = 0;                  // mu [Pa s]
   double friction_coefficient = 0;       // C0 [1]
   bool friction_ends_at_throat = false;  // friction acts upstream of the throat only
-  double smallest_recovery = 1;          // chi_min [1]
+  double smallest_recovery = 1;          // chi_min, where the effective area grows downstream [1]
   double entrance_contraction = 0;       // C1 [1]
   bool unsteady = true;                  // keep dA/dt, du/dt and the motion of the stations
+  TimeDerivative time_derivative = TimeDerivative::backward_euler;
 };
 
 inline bool separates_at_throat(const GlottalLaw& law) {

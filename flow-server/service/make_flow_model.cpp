@@ -34,6 +34,7 @@ GlottalLaw make_law(const v1::Fluid& fluid, const v1::Glottis& glottis) {
   law.density = fluid.density();
   law.viscosity = fluid.viscosity();
   law.unsteady = glottis.unsteady();
+  if (glottis.time_derivative() == v1::Glottis::BDF2) law.time_derivative = TimeDerivative::bdf2;
   if (law.model == GlottalModel::m1 || law.model == GlottalModel::m2) {
     law.friction_coefficient = glottis.friction_coefficient();
     law.friction_ends_at_throat = glottis.friction_range() == v1::Glottis::CONVERGING_PART;
