@@ -93,9 +93,11 @@ class Server {
     send(std::move(reply));
   }
 
-  // Serves the request; whatever goes wrong becomes a Failure and leaves only close.
+  // Serves the request; what goes wrong becomes a Failure and leaves only close, but for a step that could not be
+  // solved.
   Frames reply_to(v1::Request request, const Frames& message) {
     const std::uint64_t sequence = request.sequence();
+    const bool is_step = request.body_case() == v1::Request::kSolveStep;
     try {
       if (sequence != last_sequence_ + 1) {
         throw PeerError("session",
@@ -111,6 +113,8 @@ class Server {
       Frames reply = dispatch(std::move(request), message);
       state_ = rule->next;
       return reply;
+    } catch (const report::NumericsError&) {
+      return is_step ? step_refusal(sequence) : refusal(sequence);
     } catch (...) {
       return refusal(sequence);
     }
@@ -198,6 +202,16 @@ class Server {
   Frames refusal(std::uint64_t sequence) {
     if (!failure_) failure_ = std::current_exception();
     state_ = SessionState::failed;
+    return failure_reply(sequence);
+  }
+
+  // A step that cannot be solved leaves the accepted state as it was: the coupler may try again, with half the step.
+  Frames step_refusal(std::uint64_t sequence) {
+    state_ = SessionState::opened;
+    return failure_reply(sequence);
+  }
+
+  static Frames failure_reply(std::uint64_t sequence) {
     v1::Reply reply;
     reply.set_sequence(sequence);
     *reply.mutable_failure() = wire::describe_failure(std::current_exception());

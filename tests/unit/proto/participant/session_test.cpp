@@ -165,21 +165,53 @@ TEST(Session, TwoParticipantsWorkAtTheSameTime) {
 TEST(Session, AFailureArrivesAsWhatItWasAndIsThrownAgainAfterTheClose) {
   auto [coupler_end, server_end] = wire::make_memory_channel();
   SpringServer server(std::move(server_end));
-  server.spring.on_solve = [] { throw report::NumericsError("element 3", "is inverted", "halve the step"); };
+  server.spring.on_solve = [] { throw report::FileError("results/solid.h5", "the disk is full", "make room"); };
   server.begin();
   RemoteParticipant remote(std::move(coupler_end), {"solid", "run"});
   remote.open(open_request());
   try {
     remote.solve_step({1, 1, 0, 0.1}, force(1));
     ADD_FAILURE() << "no failure arrived";
-  } catch (const report::NumericsError& failure) {
-    EXPECT_STREQ(failure.what(), "element 3: is inverted; halve the step");
+  } catch (const report::FileError& failure) {
+    EXPECT_STREQ(failure.what(), "results/solid.h5: the disk is full; make room");
   }
   // After a failure only close is allowed.
   EXPECT_THROW(remote.solve_step({1, 2, 0, 0.1}, force(1)), report::PeerError);
   remote.close("failed");
-  EXPECT_EQ(server.end_with_failure(), "element 3: is inverted; halve the step");
+  EXPECT_EQ(server.end_with_failure(), "results/solid.h5: the disk is full; make room");
   EXPECT_THAT(server.spring.calls, ElementsAre("open", "solve 1/1", "close failed"));
+}
+
+TEST(Session, AStepThatFailsNumericallyMayBeTriedAgain) {
+  auto [coupler_end, server_end] = wire::make_memory_channel();
+  SpringServer server(std::move(server_end));
+  int n_solves = 0;
+  server.spring.on_solve = [&n_solves] {
+    if (++n_solves == 2) throw report::NumericsError("element 3", "is inverted", "halve the step");
+  };
+  server.begin();
+  RemoteParticipant remote(std::move(coupler_end), {"solid", "run"});
+  remote.open(open_request());
+  const StepSolved first = remote.solve_step({1, 1, 0, 0.1}, force(1));
+  EXPECT_THROW(remote.solve_step({1, 2, 0, 0.1}, force(1)), report::NumericsError);
+  EXPECT_THROW(remote.solve_step({1, 3, 0, 0.1}, {}), report::PeerError);  // without its field: a fault, not numerics
+  remote.close("failed");
+  EXPECT_NE(server.end_with_failure(), "");
+
+  auto [other_coupler_end, other_server_end] = wire::make_memory_channel();
+  SpringServer other(std::move(other_server_end));
+  n_solves = 0;
+  other.spring.on_solve = [&n_solves] {
+    if (++n_solves == 1) throw report::NumericsError("element 3", "is inverted", "halve the step");
+  };
+  other.begin();
+  RemoteParticipant again(std::move(other_coupler_end), {"solid", "run"});
+  again.open(open_request());
+  EXPECT_THROW(again.solve_step({1, 1, 0, 0.1}, force(1)), report::NumericsError);
+  EXPECT_EQ(again.solve_step({1, 1, 0, 0.1}, force(1)).fields.front().values, first.fields.front().values);
+  again.accept_step(1);
+  again.close("done");
+  EXPECT_EQ(other.end_with_failure(), "");
 }
 
 TEST(Session, AFailureToOpenIsClosedToo) {
