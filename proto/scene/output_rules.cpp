@@ -12,13 +12,6 @@ std::string entry(const std::string& list, int index) {
   return "output." + list + "[" + std::to_string(index) + "]";
 }
 
-void results_start_in_time(const v1::Scene& scene, Review& review) {
-  const v1::Output& output = scene.output();
-  if (!output.has_results_start() || !(scene.time().end() > 0) || output.results_start() <= scene.time().end()) return;
-  review.complain("output.results_start", number_text(output.results_start()) + " s is after the end of the run, " +
-                                              number_text(scene.time().end()) + " s; give an earlier time");
-}
-
 // Probes and quantities are found by their names.
 template <class Entries>
 void names_differ(const Entries& entries, const std::string& list, const std::string& what, Review& review) {
@@ -54,17 +47,11 @@ void column_has_its_probe(const std::string& column, const v1::Output& output, c
                                            : suggestion(name, known, "the probes are")));
 }
 
-void window_is_in_the_run(const v1::Quantity& quantity, const std::string& path, double end, Review& review) {
-  if (!(end > 0)) return;
-  if (quantity.until() > end) {
-    review.complain(path + ".until", number_text(quantity.until()) + " s is after the end of the run, " +
-                                         number_text(end) + " s; give an earlier time");
-  } else if (quantity.has_window() && quantity.window() > (quantity.has_until() ? quantity.until() : end)) {
-    const std::string what =
-        quantity.has_until() ? "the time until " + number_text(quantity.until()) : "the run of " + number_text(end);
-    review.complain(path + ".window", number_text(quantity.window()) + " s is longer than " + what +
-                                          " s; give a shorter window or a later end");
-  }
+// A window may be longer than the run, so that a scene can be tried for a short time: all of the run is used then.
+void window_ends_in_the_run(const v1::Quantity& quantity, const std::string& path, double end, Review& review) {
+  if (!(end > 0) || quantity.until() <= end) return;
+  review.complain(path + ".until", number_text(quantity.until()) + " s is after the end of the run, " +
+                                       number_text(end) + " s; give an earlier time");
 }
 
 void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& path, const v1::Scene& scene,
@@ -81,14 +68,13 @@ void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& p
                                       " Hz but starts at " + number_text(quantity.frequency_from()) +
                                       " Hz; give a frequency_to above frequency_from");
   }
-  window_is_in_the_run(quantity, path, scene.time().end(), review);
+  window_ends_in_the_run(quantity, path, scene.time().end(), review);
 }
 
 }  // namespace
 
 void check_output_rules(const v1::Scene& scene, Review& review) {
   const v1::Output& output = scene.output();
-  results_start_in_time(scene, review);
   names_differ(output.probe(), "probe", "probe", review);
   names_differ(output.quantity(), "quantity", "quantity", review);
   probes_are_on_the_solid(scene, review);
