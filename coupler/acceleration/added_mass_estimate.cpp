@@ -12,10 +12,9 @@ constexpr double probe = 1e-3;  // relaxation of the very first iteration [1]: s
 
 void AddedMassEstimate::learn(const Eigen::Ref<const Eigen::VectorXd>& input_difference,
                               const Eigen::Ref<const Eigen::VectorXd>& residual_difference) {
-  const double input_norm = input_difference.norm();
-  const double residual_norm = residual_difference.norm();
-  if (!(input_norm > 0) || !std::isfinite(residual_norm)) return;
-  largest_ = std::max(largest_, residual_norm / input_norm);
+  const double quotient = -input_difference.dot(residual_difference) / input_difference.squaredNorm();
+  if (!std::isfinite(quotient)) return;
+  largest_ = std::max(largest_, quotient);
   is_known_ = true;
 }
 

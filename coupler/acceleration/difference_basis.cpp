@@ -17,7 +17,7 @@ constexpr double round_off = 1e-14;
 }  // namespace
 
 DifferenceBasis::DifferenceBasis(Eigen::Index n_rows, Eigen::Index columns_max)
-    : n_rows_(n_rows), columns_max_(columns_max) {}
+    : n_rows_(n_rows), columns_max_(columns_max), coefficients_(0, 0) {}
 
 Eigen::VectorXd DifferenceBasis::add(const Eigen::VectorXd& column, const Eigen::VectorXd& residual) {
   if (n_basis_ >= columns_max_ + std::max<Eigen::Index>(columns_max_ / 4, 4)) compress();
@@ -62,6 +62,7 @@ Eigen::VectorXd DifferenceBasis::add(const Eigen::VectorXd& column, const Eigen:
 
 Eigen::VectorXd DifferenceBasis::project(const Eigen::VectorXd& residual) const {
   Eigen::VectorXd g = Eigen::VectorXd::Zero(n_basis_);
+  if (n_basis_ == 0) return g;
   for (Eigen::Index row = 0; row < n_rows_; row += block_rows) {
     const Eigen::Index n = std::min(block_rows, n_rows_ - row);
     g.noalias() += basis(row, n).transpose() * residual.segment(row, n);
@@ -70,6 +71,7 @@ Eigen::VectorXd DifferenceBasis::project(const Eigen::VectorXd& residual) const 
 }
 
 void DifferenceBasis::add_combination(const Eigen::VectorXd& weights, Eigen::Ref<Eigen::VectorXd> result) const {
+  if (n_basis_ == 0) return;
   for (Eigen::Index row = 0; row < n_rows_; row += block_rows) {
     const Eigen::Index n = std::min(block_rows, n_rows_ - row);
     result.segment(row, n).noalias() += basis(row, n) * weights;

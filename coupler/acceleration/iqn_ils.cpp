@@ -1,6 +1,7 @@
 #include "coupler/acceleration/iqn_ils.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -12,7 +13,9 @@ IqnIls::IqnIls(InterfaceSize size, QuasiNewtonOptions options)
     : size_(size),
       options_(options),
       added_mass_(options.first_relaxation),
-      residual_differences_(size.n_primary, options.columns_max) {}
+      residual_differences_(size.n_primary, options.columns_max),
+      input_differences_(size.n_total, 0),
+      secondary_differences_(size.n_total - size.n_primary, 0) {}
 
 void IqnIls::start_step() {
   has_previous_ = false;
@@ -33,9 +36,29 @@ Eigen::VectorXd IqnIls::next_input(const Eigen::VectorXd& input, const Eigen::Ve
                                         unexplained.head(size_.n_primary));
   unexplained.tail(secondary_differences_.rows()).noalias() += secondary_differences_ * slot_weights;
 
-  Eigen::VectorXd next = input + added_mass_.relaxation() * unexplained;
+  const double relaxation = choose_relaxation(residual, unexplained);
+  Eigen::VectorXd next = input + relaxation * unexplained;
   next.noalias() += input_differences_ * slot_weights;
+  relaxed_ = std::move(unexplained);
+  relaxation_of_relaxed_ = relaxation;
   return next;
+}
+
+// The unexplained part u was relaxed by omega, the rest solved; what is left, r, tells how u was answered:
+//   rho = -u.(r - u) / (omega u.u)  is 1 + mu in the direction of u.
+// 1/rho would solve that direction, 1 suits the many directions that the fluid hardly answers; the geometric mean
+// reaches the end of the first step soonest. Differences of earlier steps leave only directions of the second kind.
+double IqnIls::choose_relaxation(const Eigen::VectorXd& residual, const Eigen::VectorXd& unexplained) const {
+  if (options_.first_relaxation) return *options_.first_relaxation;
+  if (slot_.empty()) return added_mass_.relaxation();
+  if (age_.back() > 0 || relaxed_.size() == 0) return 1;
+  const auto u = relaxed_.head(size_.n_primary);
+  const double squared = u.squaredNorm();
+  if (!(squared > 0)) return 1;
+  const double rho = -u.dot(residual.head(size_.n_primary) - u) / (relaxation_of_relaxed_ * squared);
+  if (!(rho > 1)) return 1;
+  const bool has_grown = unexplained.head(size_.n_primary).squaredNorm() > squared;
+  return has_grown ? 1 / rho : 1 / std::sqrt(rho);
 }
 
 void IqnIls::accept_step(const Eigen::VectorXd& input, const Eigen::VectorXd& output) {

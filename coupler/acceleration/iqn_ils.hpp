@@ -12,7 +12,7 @@ namespace couplet::coupling {
 
 struct QuasiNewtonOptions {
   Eigen::Index columns_max = 50;           // most differences kept
-  int steps_reused = 20;                   // earlier steps whose differences are kept
+  int steps_reused = 10;                   // earlier steps whose differences are kept
   double filter = 1e-3;                    // dependent columns are dropped below this
   std::optional<double> first_relaxation;  // chosen from the differences when absent
 };
@@ -34,6 +34,7 @@ class IqnIls : public Acceleration {
 
  private:
   Eigen::VectorXd learn(const Eigen::VectorXd& input, const Eigen::VectorXd& residual);
+  double choose_relaxation(const Eigen::VectorXd& residual, const Eigen::VectorXd& unexplained) const;
   void keep(const std::vector<Eigen::Index>& columns);
   Eigen::Index free_slot();
 
@@ -47,6 +48,8 @@ class IqnIls : public Acceleration {
   std::vector<int> age_;                   // of each column in accepted steps
   bool has_previous_ = false;              // of this attempt
   Eigen::VectorXd previous_input_, previous_residual_;
+  Eigen::VectorXd relaxed_;           // unexplained residual of the last iteration of this attempt; empty: none yet
+  double relaxation_of_relaxed_ = 1;  // [1]
 };
 
 }  // namespace couplet::coupling

@@ -18,7 +18,7 @@ void IqnImvj::start_step() {
   has_previous_ = false;
   residual_differences_.resize(size_.n_primary, 0);
   corrections_.resize(size_.n_total, 0);
-  relaxation_ = added_mass_.relaxation();
+  relaxation_ = updates_.empty() ? added_mass_.relaxation() : 1;
 }
 
 VectorXd IqnImvj::next_input(const VectorXd& input, const VectorXd& output) {
@@ -52,7 +52,7 @@ void IqnImvj::learn(const VectorXd& input, const VectorXd& residual) {
     const VectorXd change = residual - previous_residual_;
     if (change.head(size_.n_primary).squaredNorm() > 0) {
       added_mass_.learn(difference.head(size_.n_primary), change.head(size_.n_primary));
-      if (updates_.empty() && residual_differences_.cols() == 0) relaxation_ = added_mass_.relaxation();
+      if (updates_.empty() && residual_differences_.cols() == 0) relaxation_ = 1;
       const Eigen::Index n_kept = std::min(residual_differences_.cols(), options_.columns_max - 1);
       MatrixXd differences(size_.n_primary, n_kept + 1), corrections(size_.n_total, n_kept + 1);
       differences << change.head(size_.n_primary), residual_differences_.leftCols(n_kept);

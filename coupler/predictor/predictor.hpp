@@ -1,36 +1,28 @@
 #pragma once
-// The guess of the interface state at the end of a step, from the last accepted states.
+// The door of all predictors: the interface state at the end of a step, guessed from the last accepted states.
 
 #include <Eigen/Core>
-#include <vector>
+#include <string>
 
 #include "coupler/checkpoint/saved_state.hpp"
 
 namespace couplet::coupling {
 
-/// The polynomial through the last order + 1 accepted states, for steps of any size; of lower order while the history
-/// is shorter. Order 0 holds the last state.
+/// The contract. accept is called with every accepted state, times rising; predict for a later time, after at least one
+/// accept. Steps may differ in size.
 class Predictor {
  public:
-  explicit Predictor(int order) : order_(order) {}
+  virtual ~Predictor() = default;
 
-  void accept(double time, const Eigen::VectorXd& state);
+  virtual void accept(double time, const Eigen::VectorXd& state) = 0;
+  virtual Eigen::VectorXd predict(double time) const = 0;
 
-  /// At least one state must have been accepted.
-  Eigen::VectorXd predict(double time) const;
+  /// The last accepted state.
+  virtual const Eigen::VectorXd& last() const = 0;
 
-  const Eigen::VectorXd& last() const { return states_.front(); }
-
-  /// Starts anew from the last state: the motion after a jump does not continue the motion before it.
-  void forget_earlier();
-
-  void save(SavedState& state, const std::string& name) const;
-  void restore(const SavedState& state, const std::string& name);
-
- private:
-  int order_;
-  std::vector<double> times_;            // newest first [s]
-  std::vector<Eigen::VectorXd> states_;  // newest first
+  /// Everything that later predictions depend on; entries start with `name`.
+  virtual void save(SavedState& state, const std::string& name) const = 0;
+  virtual void restore(const SavedState& state, const std::string& name) = 0;
 };
 
 }  // namespace couplet::coupling

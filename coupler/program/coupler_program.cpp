@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "coupler/scheme/coupled_run.hpp"
@@ -13,6 +14,7 @@
 #include "proto/report/failure.hpp"
 #include "proto/report/version.hpp"
 #include "proto/scene/read_scene.hpp"
+#include "proto/wire/mpi_job.hpp"
 #include "proto/wire/zeromq_channel.hpp"
 
 namespace couplet::coupling {
@@ -56,24 +58,33 @@ struct Servers {
   std::unique_ptr<participant::Participant> flow, solid;
 };
 
-Servers connect_servers(const CommandLine& line, const v1::Scene& scene) {
-  const v1::Coupling& coupling = scene.coupling();
-  switch (choose_transport(line, scene)) {
-    case v1::ZEROMQ:
-      return {make_remote("flow", connect("flow", line.flow, coupling), line, coupling),
-              make_remote("solid", connect("solid", line.solid, coupling), line, coupling)};
-    case v1::MPI:
-    case v1::MEMORY:
-      break;
+Servers connect_by_zeromq(const CommandLine& line, const v1::Coupling& coupling) {
+  return {make_remote("flow", connect("flow", line.flow, coupling), line, coupling),
+          make_remote("solid", connect("solid", line.solid, coupling), line, coupling)};
+}
+
+Servers connect_by_mpi(wire::MpiJob& job, const CommandLine& line, const v1::Coupling& coupling) {
+  wire::MpiOptions options;
+  options.heartbeat_deadline = coupling.heartbeat_deadline();
+  wire::MpiConnections connections = job.connect(wire::MpiRole::coupler, options);
+  for (const bool is_there : {connections.flow != nullptr, connections.solid != nullptr}) {
+    if (is_there) continue;
+    throw report::SceneError("command line", "the MPI job has no server for flow or none for solid",
+                             "start coupler, flow-server and solid-server in one job");
   }
-  throw report::SceneError("coupling.transport", "MEMORY needs flow and solid in the coupler's own process",
-                           "use ZEROMQ or MPI with three programs");
+  return {make_remote("flow", std::move(connections.flow), line, coupling),
+          make_remote("solid", std::move(connections.solid), line, coupling)};
 }
 
 void refuse_uncoupled(const v1::Scene& scene) {
   if (scene.has_flow() && scene.has_solid()) return;
   throw report::SceneError(scene.has_flow() ? "solid" : "flow", "the scene has nothing to couple",
                            scene.has_flow() ? "run it with flow-server run" : "run it with solid-server run");
+}
+
+int couple(const Servers& servers, const scene::SceneFile& file, const CommandLine& line) {
+  run_coupled(*servers.flow, *servers.solid, file.scene, line.run);
+  return 0;
 }
 
 int run(CommandLine line) {
@@ -83,9 +94,18 @@ int run(CommandLine line) {
   line.run.scene_folder = std::filesystem::absolute(file.folder).string();
   participant::catch_stop_signals();
   line.run.should_stop = participant::stop_was_asked;
-  const Servers servers = connect_servers(line, file.scene);
-  run_coupled(*servers.flow, *servers.solid, file.scene, line.run);
-  return 0;
+  const v1::Coupling& coupling = file.scene.coupling();
+  switch (choose_transport(line, file.scene)) {
+    case v1::ZEROMQ:
+      return couple(connect_by_zeromq(line, coupling), file, line);
+    case v1::MPI:
+      return wire::run_in_mpi(
+          "coupler", [&](wire::MpiJob& job) { return couple(connect_by_mpi(job, line, coupling), file, line); });
+    case v1::MEMORY:
+      break;
+  }
+  throw report::SceneError("coupling.transport", "MEMORY needs flow and solid in the coupler's own process",
+                           "use ZEROMQ or MPI with three programs");
 }
 
 void add_run(CLI::App& app, CommandLine& line) {

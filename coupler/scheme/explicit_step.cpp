@@ -1,14 +1,16 @@
 #include "coupler/scheme/explicit_step.hpp"
 
+#include <utility>
+
 namespace couplet::coupling {
 
-ExplicitStep::ExplicitStep(InterfacePair& pair, int predictor_order, double start_time)
+ExplicitStep::ExplicitStep(InterfacePair& pair, std::unique_ptr<Predictor> predictor, double start_time)
     : pair_(pair),
-      motion_predictor_(predictor_order),
+      motion_predictor_(std::move(predictor)),
       load_(pair.start().load),
       motion_guard_(pair.layout().motion),
       load_guard_(pair.layout().load) {
-  motion_predictor_.accept(start_time, pair.start().motion);
+  motion_predictor_->accept(start_time, pair.start().motion);
 }
 
 StepOutcome ExplicitStep::solve(participant::StepInterval interval) {
@@ -17,14 +19,14 @@ StepOutcome ExplicitStep::solve(participant::StepInterval interval) {
   motion_guard_.start_step();
   load_guard_.start_step();
 
-  const Eigen::VectorXd predicted = motion_predictor_.predict(interval.start + interval.duration);
+  const Eigen::VectorXd predicted = motion_predictor_->predict(interval.start + interval.duration);
   outcome.state.load = pair_.solve_flow(interval, predicted);
   if (const auto trouble = load_guard_.check(outcome.state.load, load_)) {
     outcome.trouble = *trouble;
     return outcome;
   }
   outcome.state.motion = pair_.solve_solid(interval, outcome.state.load);
-  if (const auto trouble = motion_guard_.check(outcome.state.motion, motion_predictor_.last())) {
+  if (const auto trouble = motion_guard_.check(outcome.state.motion, motion_predictor_->last())) {
     outcome.trouble = *trouble;
     return outcome;
   }
@@ -38,9 +40,9 @@ StepOutcome ExplicitStep::solve(participant::StepInterval interval) {
 }
 
 void ExplicitStep::accept(const StepOutcome& outcome, double time) {
-  motion_guard_.accept(outcome.state.motion, motion_predictor_.last());
+  motion_guard_.accept(outcome.state.motion, motion_predictor_->last());
   load_guard_.accept(outcome.state.load, load_);
-  motion_predictor_.accept(time, outcome.state.motion);
+  motion_predictor_->accept(time, outcome.state.motion);
   load_ = outcome.state.load;
 }
 
@@ -54,12 +56,12 @@ std::string ExplicitStep::advice() const {
 }
 
 void ExplicitStep::save(SavedState& state) const {
-  motion_predictor_.save(state, "motion");
+  motion_predictor_->save(state, "motion");
   state["load"] = load_;
 }
 
 void ExplicitStep::restore(const SavedState& state) {
-  motion_predictor_.restore(state, "motion");
+  motion_predictor_->restore(state, "motion");
   load_ = state.at("load");
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // One solve of each a step: for small added mass only.
 
+#include <memory>
+
 #include "coupler/convergence/level_guard.hpp"
 #include "coupler/predictor/predictor.hpp"
 #include "coupler/scheme/interface_pair.hpp"
@@ -13,7 +15,7 @@ namespace couplet::coupling {
 class ExplicitStep : public StepScheme {
  public:
   /// At time `start_time` with the state in which both were opened.
-  ExplicitStep(InterfacePair& pair, int predictor_order, double start_time);
+  ExplicitStep(InterfacePair& pair, std::unique_ptr<Predictor> predictor, double start_time);
 
   StepOutcome solve(participant::StepInterval interval) override;
   void accept(const StepOutcome& outcome, double time) override;
@@ -25,7 +27,7 @@ class ExplicitStep : public StepScheme {
 
  private:
   InterfacePair& pair_;
-  Predictor motion_predictor_;
+  std::unique_ptr<Predictor> motion_predictor_;
   Eigen::VectorXd load_;  // accepted
   LevelGuard motion_guard_, load_guard_;
 };

@@ -8,26 +8,27 @@
 namespace couplet::coupling {
 
 ImplicitStep::ImplicitStep(const InterfacePair& pair, std::unique_ptr<FixedPoint> fixed_point,
-                           ConvergenceHistory& history, ImplicitOptions options, double start_time)
+                           ConvergenceHistory& history, std::unique_ptr<Predictor> motion_predictor,
+                           std::unique_ptr<Predictor> load_predictor, int iterations_max, double start_time)
     : layout_(pair.layout()),
       fixed_point_(std::move(fixed_point)),
       history_(history),
-      options_(options),
-      motion_predictor_(options.predictor_order),
-      load_predictor_(options.predictor_order),
+      motion_predictor_(std::move(motion_predictor)),
+      load_predictor_(std::move(load_predictor)),
+      iterations_max_(iterations_max),
       motion_guard_(layout_.motion),
       load_guard_(layout_.load) {
-  motion_predictor_.accept(start_time, pair.start().motion);
-  load_predictor_.accept(start_time, pair.start().load);
+  motion_predictor_->accept(start_time, pair.start().motion);
+  load_predictor_->accept(start_time, pair.start().load);
 }
 
 StepOutcome ImplicitStep::solve(participant::StepInterval interval) {
   const double end = interval.start + interval.duration;
   StepOutcome outcome;
-  InterfaceState before = {motion_predictor_.predict(end), load_predictor_.predict(end)};
+  InterfaceState before = {motion_predictor_->predict(end), load_predictor_->predict(end)};
   start_attempt();
 
-  for (interval.iteration = 1; interval.iteration <= options_.iterations_max; ++interval.iteration) {
+  for (interval.iteration = 1; interval.iteration <= iterations_max_; ++interval.iteration) {
     outcome.iterations = interval.iteration;
     outcome.state = fixed_point_->evaluate(interval, before);
     if (const auto trouble = find_trouble(outcome.state)) {
@@ -43,16 +44,17 @@ StepOutcome ImplicitStep::solve(participant::StepInterval interval) {
     }
     before = fixed_point_->accelerate(before, outcome.state);
   }
-  outcome.trouble = "not converged after " + std::to_string(options_.iterations_max) + " iterations";
+  outcome.trouble = "not converged after " + std::to_string(iterations_max_) + " iterations";
   return outcome;
 }
 
 void ImplicitStep::accept(const StepOutcome& outcome, double time) {
   fixed_point_->accept(last_input_, outcome.state);
-  motion_guard_.accept(outcome.state.motion, motion_predictor_.last());
-  load_guard_.accept(outcome.state.load, load_predictor_.last());
-  motion_predictor_.accept(time, outcome.state.motion);
-  load_predictor_.accept(time, outcome.state.load);
+  motion_guard_.accept(outcome.state.motion, motion_predictor_->last());
+  load_guard_.accept(outcome.state.load, load_predictor_->last());
+  // The input is the better continuation: an error of x stands in G(x) enlarged by the added-mass number.
+  motion_predictor_->accept(time, last_input_.motion);
+  load_predictor_->accept(time, outcome.state.load);
 }
 
 void ImplicitStep::discard() {
@@ -67,8 +69,8 @@ void ImplicitStep::start_attempt() {
 }
 
 std::optional<std::string> ImplicitStep::find_trouble(const InterfaceState& after) {
-  if (auto trouble = load_guard_.check(after.load, load_predictor_.last())) return trouble;
-  return motion_guard_.check(after.motion, motion_predictor_.last());
+  if (auto trouble = load_guard_.check(after.load, load_predictor_->last())) return trouble;
+  return motion_guard_.check(after.motion, motion_predictor_->last());
 }
 
 std::vector<FieldChange> ImplicitStep::measure_changes(const InterfaceState& before,
@@ -99,20 +101,20 @@ std::string ImplicitStep::diagnosis() const {
 }
 
 std::string ImplicitStep::advice() const {
-  return advise(history_, fixed_point_->acceleration().added_mass_number(), options_.iterations_max);
+  return advise(history_, fixed_point_->acceleration().added_mass_number(), iterations_max_);
 }
 
 void ImplicitStep::save(SavedState& state) const {
-  motion_predictor_.save(state, "motion");
-  load_predictor_.save(state, "load");
+  motion_predictor_->save(state, "motion");
+  load_predictor_->save(state, "load");
   state["motion.levels"] = to_array(motion_guard_.largest_changes());
   state["load.levels"] = to_array(load_guard_.largest_changes());
   fixed_point_->save(state);
 }
 
 void ImplicitStep::restore(const SavedState& state) {
-  motion_predictor_.restore(state, "motion");
-  load_predictor_.restore(state, "load");
+  motion_predictor_->restore(state, "motion");
+  load_predictor_->restore(state, "load");
   motion_guard_.set_largest_changes(to_numbers(state.at("motion.levels")));
   load_guard_.set_largest_changes(to_numbers(state.at("load.levels")));
   fixed_point_->restore(state);

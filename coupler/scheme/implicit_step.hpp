@@ -11,16 +11,12 @@
 
 namespace couplet::coupling {
 
-struct ImplicitOptions {
-  int predictor_order = 2;
-  int iterations_max = 50;
-};
-
 class ImplicitStep : public StepScheme {
  public:
   /// At time `start_time` with the state in which both participants were opened.
   ImplicitStep(const InterfacePair& pair, std::unique_ptr<FixedPoint> fixed_point, ConvergenceHistory& history,
-               ImplicitOptions options, double start_time);
+               std::unique_ptr<Predictor> motion_predictor, std::unique_ptr<Predictor> load_predictor,
+               int iterations_max, double start_time);
 
   StepOutcome solve(participant::StepInterval interval) override;
   void accept(const StepOutcome& outcome, double time) override;
@@ -39,8 +35,8 @@ class ImplicitStep : public StepScheme {
   const InterfaceLayout& layout_;
   std::unique_ptr<FixedPoint> fixed_point_;
   ConvergenceHistory& history_;
-  ImplicitOptions options_;
-  Predictor motion_predictor_, load_predictor_;
+  std::unique_ptr<Predictor> motion_predictor_, load_predictor_;
+  int iterations_max_;
   LevelGuard motion_guard_, load_guard_;
   InterfaceState last_input_;  // of the last iteration
 };

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "coupler/acceleration/make_acceleration.hpp"
+#include "coupler/predictor/make_predictor.hpp"
 #include "coupler/scheme/explicit_step.hpp"
 #include "coupler/scheme/fixed_point.hpp"
 #include "coupler/scheme/implicit_step.hpp"
@@ -47,18 +48,6 @@ std::vector<Criterion> make_criteria(const v1::Coupling& coupling, const Interfa
   }
   if (criteria.empty()) criteria.push_back({layout.motion.front().name, {}, 1e-5});
   return criteria;
-}
-
-int make_predictor_order(v1::Coupling::Predictor predictor) {
-  switch (predictor) {
-    case v1::Coupling::CONSTANT:
-      return 0;
-    case v1::Coupling::LINEAR:
-      return 1;
-    case v1::Coupling::QUADRATIC:
-      return 2;
-  }
-  return 2;
 }
 
 double constant_factor(const v1::ConstantRelaxation& constant, const std::string& field) {
@@ -114,10 +103,13 @@ ConvergenceHistory make_convergence_history(const v1::Coupling& coupling, const 
 
 std::unique_ptr<StepScheme> make_scheme(const v1::Coupling& coupling, InterfacePair& pair, ConvergenceHistory& history,
                                         double start_time) {
-  const int order = make_predictor_order(coupling.predictor());
-  if (coupling.scheme() == v1::Coupling::EXPLICIT) return std::make_unique<ExplicitStep>(pair, order, start_time);
-  return std::make_unique<ImplicitStep>(pair, make_fixed_point(coupling, pair), history,
-                                        ImplicitOptions{order, coupling.iterations_max()}, start_time);
+  std::unique_ptr<Predictor> motion_predictor = make_predictor(coupling, pair.layout().n_primary_motion);
+  if (coupling.scheme() == v1::Coupling::EXPLICIT) {
+    return std::make_unique<ExplicitStep>(pair, std::move(motion_predictor), start_time);
+  }
+  return std::make_unique<ImplicitStep>(pair, make_fixed_point(coupling, pair), history, std::move(motion_predictor),
+                                        make_predictor(coupling, pair.layout().n_load()), coupling.iterations_max(),
+                                        start_time);
 }
 
 }  // namespace couplet::coupling
