@@ -34,6 +34,12 @@ std::vector<KickVelocity> kick_velocities(const SolidMesh& mesh, const std::vect
   return velocities;
 }
 
+double kinetic_energy(const Eigen::VectorXd& mass, const NodeVectors& velocity) {
+  double sum = 0;
+  for (Eigen::Index n = 0; n < mass.size(); ++n) sum += mass[n] * velocity.row(n).squaredNorm();
+  return sum / 2;
+}
+
 Motion at_rest(Index n_nodes, std::size_t n_wetted) {
   Motion motion;
   motion.displacement = motion.velocity = motion.force = NodeVectors::Zero(n_nodes, 4);
@@ -160,7 +166,7 @@ void SolidModel::accept_step() {
   Parts& p = *parts_;
   std::swap(p.accepted.motion, p.trial.motion);
   const Motion& motion = p.accepted.motion;
-  p.energy.kinetic = 0.5 * p.mass.dot(motion.velocity.rowwise().squaredNorm());
+  p.energy.kinetic = kinetic_energy(p.mass, motion.velocity);
   p.energy.strain = p.force.strain_energy();
   const auto contact = p.force.contact().total(motion.displacement.data());
   p.energy.contact = contact.energy;

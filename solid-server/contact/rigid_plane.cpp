@@ -22,9 +22,9 @@ constexpr int n_nodes = hex20::n_face_nodes;
   const Index* start = &faces.node_start[static_cast<std::size_t>(p) * n_nodes * n_lanes];
   const StoredPack* position = &faces.position[static_cast<std::size_t>(p) * n_nodes * 3];
   for (int a = 0; a < n_nodes; ++a) {
-    StoredPack moved;
-    for (int lane = 0; lane < n_lanes; ++lane) moved.lane[lane] = displacement[start[a * n_lanes + lane] + 1];
-    y[a] = load(position[3 * a + 1]) + load(moved);
+    Pack u_x, u_y, u_z;
+    load_nodes(displacement, start + a * n_lanes, u_x, u_y, u_z);
+    y[a] = load(position[3 * a + 1]) + u_y;
   }
 }
 

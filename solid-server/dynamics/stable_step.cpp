@@ -10,7 +10,7 @@ namespace couplet::solid {
 namespace {
 
 constexpr int n_steps_max = 60;
-constexpr double wanted_accuracy = 0.01;        // of omega^2: half of that in the step
+constexpr double wanted_accuracy = 0.001;       // of omega^2: half of that in the step
 constexpr double relative_displacement = 1e-6;  // of the smallest length: round-off 1e-10, curvature 1e-6 of the result
 
 /// Numbers between -1 and 1 that have nothing to do with any mode (Lehmer's generator).

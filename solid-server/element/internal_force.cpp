@@ -1,5 +1,8 @@
 #include "solid-server/element/internal_force.hpp"
 
+#include <algorithm>
+
+#include "solid-server/element/eight_point_gradient.hpp"
 #include "solid-server/element/lane_transpose.hpp"
 
 namespace couplet::solid {
@@ -48,39 +51,78 @@ template <bool with_energy, class Law>
   return out;
 }
 
-template <bool with_energy, class Law>
-Index force_of_packs(const ElementPacks& packs, const Law& law, Index first, Index last, const double* displacement,
-                     StoredPack* force, StoredPack* energy) {
-  const int n_points = packs.n_points;
-  Index first_unsound = -1;
-  for (Index p = first; p < last; ++p) {
-    NodePacks u, f{};
-    const Index* start = &packs.node_start[static_cast<std::size_t>(p) * hex20::n_nodes * n_lanes];
-    for (int a = 0; a < hex20::n_nodes; ++a) load_nodes(displacement, start + a * n_lanes, u[a][0], u[a][1], u[a][2]);
+/// What the points of a pack of elements add up to besides forces.
+struct PackSum {
+  Pack energy{};
+  PackMask is_sound = Pack{} == 0.0;
 
+  template <bool with_energy, class Law>
+  [[gnu::always_inline]] inline void add(const Law&, const PointAnswer& point) {
+    if constexpr (with_energy) energy += point.energy;
+    if constexpr (with_energy || Law::needs_positive_volume) is_sound &= point.is_sound;
+  }
+};
+
+/// Eight points: gradients at all points at once, by butterflies.
+struct EightPoints {
+  template <bool with_energy, class Law>
+  [[gnu::always_inline]] static inline PackSum force(const ElementPacks&, const Law& law, const StoredPack* geometry,
+                                                     const NodePacks& u, NodePacks& f) {
+    Pack slope[8][3][3];
+    PackSum sum;
+    for (int i = 0; i < 3; ++i) eight_points::gradient(u, i, slope);
+    for (int q = 0; q < 8; ++q) {
+      const PointAnswer point = answer<with_energy>(law, slope[q], geometry + 10 * q);
+      std::memcpy(&slope[q], &point.flux, sizeof point.flux);
+      sum.add<with_energy>(law, point);
+    }
+    for (int i = 0; i < 3; ++i) eight_points::transposed_gradient(slope, i, f);
+    return sum;
+  }
+};
+
+/// Any points: sums over the nodes, point by point.
+struct AnyPoints {
+  template <bool with_energy, class Law>
+  [[gnu::always_inline]] static inline PackSum force(const ElementPacks& packs, const Law& law,
+                                                     const StoredPack* geometry, const NodePacks& u, NodePacks& f) {
     const double* gradient = packs.natural_gradient.data();
-    const StoredPack* geometry = &packs.geometry[static_cast<std::size_t>(p) * static_cast<std::size_t>(n_points) * 10];
-    Pack energy_sum{};
-    PackMask is_sound = energy_sum == 0.0;
-    for (int q = 0; q < n_points; ++q, gradient += 3 * hex20::n_nodes, geometry += 10) {
+    PackSum sum;
+    std::memset(&f, 0, sizeof f);
+    for (int q = 0; q < packs.n_points; ++q, gradient += 3 * hex20::n_nodes) {
       Pack slope[3][3]{};
       for (int a = 0; a < hex20::n_nodes; ++a)
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) slope[i][k] += u[a][i] * gradient[3 * a + k];
-      const PointAnswer point = answer<with_energy>(law, slope, geometry);
+      const PointAnswer point = answer<with_energy>(law, slope, geometry + 10 * q);
       for (int a = 0; a < hex20::n_nodes; ++a)
         for (int i = 0; i < 3; ++i)
           for (int k = 0; k < 3; ++k) f[a][i] += point.flux[i][k] * gradient[3 * a + k];
-      if constexpr (with_energy) energy_sum += point.energy;
-      if constexpr (with_energy || Law::needs_positive_volume) is_sound &= point.is_sound;
+      sum.add<with_energy>(law, point);
     }
+    return sum;
+  }
+};
+
+template <class Points, bool with_energy, class Law>
+Index force_of_packs(const ElementPacks& packs, const Law& law, Index first, Index last, const double* displacement,
+                     StoredPack* force, StoredPack* energy) {
+  const auto geometry_size = static_cast<std::size_t>(packs.n_points) * 10;
+  Index first_unsound = -1;
+  for (Index p = first; p < last; ++p) {
+    NodePacks u, f;
+    const Index* start = &packs.node_start[static_cast<std::size_t>(p) * hex20::n_nodes * n_lanes];
+    for (int a = 0; a < hex20::n_nodes; ++a) load_nodes(displacement, start + a * n_lanes, u[a][0], u[a][1], u[a][2]);
+
+    const StoredPack* geometry = &packs.geometry[static_cast<std::size_t>(p) * geometry_size];
+    const PackSum sum = Points::template force<with_energy>(packs, law, geometry, u, f);
 
     StoredPack* out = force + static_cast<std::size_t>(p) * packs_per_element_pack;
     for (int a = 0; a < hex20::n_nodes; ++a) store_nodes(f[a][0], f[a][1], f[a][2], out + 4 * a);
-    if constexpr (with_energy) store(energy_sum, energy[p]);
-    if (first_unsound < 0 && !all_true(is_sound)) [[unlikely]] {
+    if constexpr (with_energy) store(sum.energy, energy[p]);
+    if (first_unsound < 0 && !all_true(sum.is_sound)) [[unlikely]] {
       int lane = 0;
-      while (is_sound[lane] != 0) ++lane;
+      while (sum.is_sound[lane] != 0) ++lane;
       first_unsound = std::min(p * n_lanes + lane, packs.n_elements - 1);
     }
   }
@@ -98,8 +140,11 @@ Index internal_force(const ElementPacks& packs, const Material& material, Index 
                      const double* displacement, StoredPack* force, StoredPack* energy) {
   return std::visit(
       [&](const auto& law) {
-        return energy ? force_of_packs<true>(packs, law, first, last, displacement, force, energy)
-                      : force_of_packs<false>(packs, law, first, last, displacement, force, energy);
+        const auto run = [&]<class Points>(Points) {
+          return energy ? force_of_packs<Points, true>(packs, law, first, last, displacement, force, energy)
+                        : force_of_packs<Points, false>(packs, law, first, last, displacement, force, energy);
+        };
+        return packs.n_points == 8 ? run(EightPoints{}) : run(AnyPoints{});
       },
       material);
 }

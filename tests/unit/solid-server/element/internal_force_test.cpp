@@ -1,0 +1,229 @@
+#include "solid-server/element/internal_force.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "proto/report/failure.hpp"
+#include "solid-server/assembly/force_gather.hpp"
+#include "solid-server/element/mass.hpp"
+#include "solid-server/element/tangent.hpp"
+#include "solid-server/mesh/box_mesh.hpp"
+
+namespace couplet::solid {
+namespace {
+
+const SaintVenantKirchhoff svk = SaintVenantKirchhoff::from_young(15e3, 0.475);
+const MooneyRivlin rivlin = {2290, 250, 100e3};
+
+/// 3 x 2 x 3 elements whose inner corner nodes are moved; edges stay straight, midside nodes in their middle.
+SolidMesh distorted_patch() {
+  SolidMesh mesh = make_box_mesh({{3, 2, 3}, {3, 2, 3}});
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> shift(-0.15, 0.15);
+  const NodePositions rest = mesh.node_position;
+  const auto is_inside = [&](Index n) {
+    return rest(n, 0) > 0.1 && rest(n, 0) < 2.9 && rest(n, 1) > 0.1 && rest(n, 1) < 1.9 && rest(n, 2) > 0.1 &&
+           rest(n, 2) < 2.9;
+  };
+  for (Index n = 0; n < mesh.n_nodes(); ++n)
+    if (is_inside(n)) mesh.node_position.row(n) += Eigen::RowVector3d(shift(random), shift(random), shift(random));
+  for (const auto& nodes : mesh.element_node)
+    for (const auto& face : hex20::face_node)
+      for (std::size_t e = 0; e < 4; ++e) {
+        const auto corner = [&](std::size_t c) { return nodes[static_cast<std::size_t>(face[c % 4])]; };
+        mesh.node_position.row(nodes[static_cast<std::size_t>(face[4 + e])]) =
+            (mesh.node_position.row(corner(e)) + mesh.node_position.row(corner(e + 1))) / 2;
+      }
+  return mesh;
+}
+
+/// Moves midside nodes off the middle of their edges inside the patch.
+SolidMesh curved_patch() {
+  SolidMesh mesh = distorted_patch();
+  std::vector<char> is_midside(static_cast<std::size_t>(mesh.n_nodes()), 0), is_outside = is_midside;
+  for (const auto& nodes : mesh.element_node)
+    for (std::size_t a = 8; a < nodes.size(); ++a) is_midside[static_cast<std::size_t>(nodes[a])] = 1;
+  for (const auto& [name, faces] : mesh.surface)
+    for (const Index n : nodes_of_faces(mesh, faces)) is_outside[static_cast<std::size_t>(n)] = 1;
+  for (Index n = 0; n < mesh.n_nodes(); ++n)
+    if (is_midside[static_cast<std::size_t>(n)] && !is_outside[static_cast<std::size_t>(n)])
+      mesh.node_position.row(n) += 0.05 * Eigen::RowVector3d(std::sin(n), std::cos(3 * n), std::sin(2 * n));
+  return mesh;
+}
+
+struct Forces {
+  NodeVectors at_node;
+  double energy = 0;
+};
+
+Forces forces(const SolidMesh& mesh, const Material& material, int n_points, const NodeVectors& displacement) {
+  const ElementPacks packs = make_element_packs(mesh, n_points);
+  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs) * packs_per_element_pack);
+  std::vector<StoredPack> energy(static_cast<std::size_t>(packs.n_packs));
+  EXPECT_EQ(internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(), energy.data()), -1);
+  std::vector<ForcePart> parts;
+  Forces out;
+  for (Index e = 0; e < mesh.n_elements(); ++e) {
+    out.energy += energy[static_cast<std::size_t>(e / n_lanes)].lane[e % n_lanes];
+    for (int a = 0; a < hex20::n_nodes; ++a)
+      parts.push_back(
+          {mesh.element_node[static_cast<std::size_t>(e)][static_cast<std::size_t>(a)], element_force_start(e, a)});
+  }
+  const ForceGather gather(mesh.n_nodes(), parts);
+  out.at_node.resize(mesh.n_nodes(), 4);
+  for (Index n = 0; n < mesh.n_nodes(); ++n) {
+    const NodeQuad sum = gather.sum(n, &buffer.data()->lane[0]);
+    for (int i = 0; i < 4; ++i) out.at_node(n, i) = sum[i];
+  }
+  return out;
+}
+
+NodeVectors homogeneous(const SolidMesh& mesh, const Eigen::Matrix3d& F) {
+  NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
+  displacement.leftCols<3>() = mesh.node_position * (F - Eigen::Matrix3d::Identity()).transpose();
+  return displacement;
+}
+
+NodeVectors wavy(const SolidMesh& mesh) {
+  NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
+  for (Index n = 0; n < mesh.n_nodes(); ++n) {
+    const Eigen::Vector3d X = mesh.node_position.row(n);
+    displacement.row(n) << 0.1 * std::sin(X.y() + X.z()), 0.08 * X.x() * std::cos(X.z()), 0.05 * X.x() * X.y(), 0;
+  }
+  return displacement;
+}
+
+std::vector<char> inside(const SolidMesh& mesh) {
+  std::vector<char> is_inside(static_cast<std::size_t>(mesh.n_nodes()), 1);
+  for (const auto& [name, faces] : mesh.surface)
+    for (const Index n : nodes_of_faces(mesh, faces)) is_inside[static_cast<std::size_t>(n)] = 0;
+  return is_inside;
+}
+
+/// In a homogeneous state no inner node feels a force: the largest one, over the pressure-wave modulus times an
+/// element's area.
+double patch_error(const SolidMesh& mesh, const Material& material, int n_points) {
+  const Eigen::Matrix3d F = (Eigen::Matrix3d() << 1.2, 0.3, -0.1, 0.05, 0.85, 0.2, -0.15, 0.1, 1.1).finished();
+  const NodeVectors force = forces(mesh, material, n_points, homogeneous(mesh, F)).at_node;
+  const auto is_inside = inside(mesh);
+  double largest = 0;
+  for (Index n = 0; n < mesh.n_nodes(); ++n)
+    if (is_inside[static_cast<std::size_t>(n)]) largest = std::max(largest, force.row(n).cwiseAbs().maxCoeff());
+  return largest / std::visit([](const auto& law) { return law.pressure_wave_modulus(); }, material);
+}
+
+TEST(InternalForce, PassesThePatchTestOnStraightEdgesWithAnyQuadrature) {
+  for (const Material& material : {Material(svk), Material(rivlin)})
+    for (const int n_points : {8, 14, 27})
+      EXPECT_LE(patch_error(distorted_patch(), material, n_points), 1e-14) << n_points;  // round-off
+}
+
+TEST(InternalForce, PassesThePatchTestOnCurvedEdgesOnlyWithTwentySevenPoints) {
+  EXPECT_LE(patch_error(curved_patch(), rivlin, 27), 1e-14);
+  EXPECT_GE(patch_error(curved_patch(), rivlin, 8), 1e-6);
+  EXPECT_GE(patch_error(curved_patch(), rivlin, 14), 1e-6);
+}
+
+class KernelOf : public testing::TestWithParam<int> {};
+
+TEST_P(KernelOf, AgreesWithThePlainForm) {
+  const int n_points = GetParam();
+  const SolidMesh mesh = curved_patch();  // 18 elements: two packs and a part of one
+  const NodeVectors displacement = wavy(mesh);
+  for (const Material& material : {Material(svk), Material(rivlin)}) {
+    const Forces fast = forces(mesh, material, n_points, displacement);
+    NodePositions plain = NodePositions::Zero(mesh.n_nodes(), 3);
+    double energy = 0;
+    for (const auto& nodes : mesh.element_node) {
+      const ElementVectors X = at_element(mesh.node_position, nodes), u = at_element(displacement, nodes);
+      const ElementVectors f = element_force(material, X, u, n_points);
+      for (int a = 0; a < hex20::n_nodes; ++a) plain.row(nodes[static_cast<std::size_t>(a)]) += f.row(a);
+      energy += element_energy(material, X, u, n_points);
+    }
+    EXPECT_LE((fast.at_node.leftCols<3>() - plain).cwiseAbs().maxCoeff(), 1e-12 * plain.cwiseAbs().maxCoeff());
+    EXPECT_NEAR(fast.energy, energy, 1e-12 * energy);
+  }
+}
+
+TEST_P(KernelOf, IsMinusTheDerivativeOfTheEnergy) {
+  const int n_points = GetParam();
+  const SolidMesh mesh = curved_patch();
+  const NodeVectors displacement = wavy(mesh);
+  const Forces at = forces(mesh, rivlin, n_points, displacement);
+  NodeVectors direction = NodeVectors::Zero(mesh.n_nodes(), 4);
+  for (Index n = 0; n < mesh.n_nodes(); ++n) direction.row(n) << std::sin(5 * n), std::cos(7 * n), std::sin(11 * n), 0;
+  const double h = 1e-5;
+  const double slope = (forces(mesh, rivlin, n_points, displacement + h * direction).energy -
+                        forces(mesh, rivlin, n_points, displacement - h * direction).energy) /
+                       (2 * h);
+  const double work = at.at_node.cwiseProduct(direction).sum();
+  // Truncation: h^2 times the third derivative of the energy, which the bulk modulus makes some 1e3 times the slope.
+  EXPECT_NEAR(slope, -work, 1e-6 * at.at_node.norm() * direction.norm());
+}
+
+TEST_P(KernelOf, FeelsNoRigidMotion) {
+  const SolidMesh mesh = distorted_patch();
+  const Eigen::Matrix3d Q = Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, 2, -1).normalized()).toRotationMatrix();
+  NodeVectors displacement = homogeneous(mesh, Q);
+  displacement.leftCols<3>().rowwise() += Eigen::RowVector3d(0.3, -2, 5);
+  for (const Material& material : {Material(svk), Material(rivlin)}) {
+    const Forces at = forces(mesh, material, GetParam(), displacement);
+    EXPECT_LE(at.at_node.cwiseAbs().maxCoeff(), 2e-9);  // round-off: 1e5 Pa, displacements of 5 m, some 20 terms
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Points, KernelOf, testing::Values(8, 14, 27));
+
+TEST(InternalForce, NamesTheElementThatIsTurnedInsideOut) {
+  const SolidMesh mesh = make_box_mesh({{20, 1, 1}, {20, 1, 1}});
+  const ElementPacks packs = make_element_packs(mesh, 8);
+  NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
+  for (Index n = 0; n < mesh.n_nodes(); ++n)  // the end of element 12 passes through it
+    if (std::abs(mesh.node_position(n, 0) - 13) < 1e-9) displacement(n, 0) = -2.5;
+  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs) * packs_per_element_pack), energy(3);
+  for (const Material& material : {Material(svk), Material(rivlin)})
+    EXPECT_EQ(internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(), energy.data()), 12);
+}
+
+TEST(ElementPacks, RefuseAnElementThatIsFoldedAtRest) {
+  SolidMesh mesh = make_box_mesh({{2, 1, 1}, {2, 1, 1}});
+  for (Index n = 0; n < mesh.n_nodes(); ++n)  // element 1 lies from x = 1 back to x = 0
+    if (mesh.node_position(n, 0) > 1.1) mesh.node_position(n, 0) = 2 - mesh.node_position(n, 0);
+  try {
+    make_element_packs(mesh, 8);
+    FAIL();
+  } catch (const report::SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("element 1 "), std::string::npos) << error.what();
+  }
+}
+
+TEST(LumpedMass, GivesACubeTheSharesOfHinton) {
+  const Eigen::VectorXd mass = lumped_mass(make_box_mesh({{1, 1, 1}, {1, 1, 1}}), 1000);
+  EXPECT_NEAR(mass.sum(), 1000, 1e-9);
+  EXPECT_NEAR(mass.minCoeff(), 28.2, 0.05);  // corners 0.0282, midside nodes 0.0645 of the mass
+  EXPECT_NEAR(mass.maxCoeff(), 64.5, 0.05);
+}
+
+TEST(ElementTangent, IsMinusTheDerivativeOfTheForce) {
+  const SolidMesh mesh = curved_patch();
+  const ElementVectors X = at_element(mesh.node_position, mesh.element_node[4]);
+  const ElementVectors u = at_element(wavy(mesh), mesh.element_node[4]);
+  const double h = 1e-6;
+  for (const Material& material : {Material(svk), Material(rivlin)}) {
+    const ElementTangent K = element_tangent(material, X, u, 14);
+    for (int column = 0; column < K.cols(); column += 7) {
+      ElementVectors up = u, down = u;
+      up(column / 3, column % 3) += h;
+      down(column / 3, column % 3) -= h;
+      const ElementVectors slope =
+          (element_force(material, X, down, 14) - element_force(material, X, up, 14)) / (2 * h);
+      for (int row = 0; row < K.rows(); ++row)
+        EXPECT_NEAR(K(row, column), slope(row / 3, row % 3), 1e-7 * K.cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+}  // namespace
+}  // namespace couplet::solid

@@ -1,0 +1,211 @@
+#include "solid-server/service/solid_participant.hpp"
+
+#include <gmock/gmock.h>
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "proto/report/failure.hpp"
+#include "proto/store/result_reader.hpp"
+#include "solid-server/service/estimate_solid.hpp"
+#include "solid-server/service/make_setup.hpp"
+
+namespace couplet::solid {
+namespace {
+
+constexpr double coupling_step = 2e-5;  // [s]
+
+const std::string solid_text = R"scene(
+  title: "a fold"
+  time { end: 1 step: 2e-5 }
+  solid {
+    body {
+      name: "fold"
+      vocal_fold { medial_thickness: 1.75e-3 elements_x: 3 elements_y: 4 elements_z: 4 half_length: true }
+      material { density: 1040 mooney_rivlin { a10: 2290 a01: 250 bulk_modulus: 1e5 } }
+      fixed: "lateral" fixed: "anterior"
+      symmetry { surface: "posterior" normal: Z }
+      wetted: "inferior" wetted: "medial" wetted: "superior"
+      mass_damping: 0.05
+    }
+    rigid_plane { y: 0.0101 }
+    settling { until: 1e-4 mass_damping: 400 }
+    kick { time: 1e-4 velocity { y: "0.6*(y/0.01)^2*sin(pi*z/0.02)"
+}
+}
+time_integration {
+estimate_every:
+  3
+}
+}
+)scene";
+const std::string flow_text = R"scene(
+  flow {
+    fluid { density: 1.1 viscosity: 1e-5 }
+    glottis { model: B1 subglottal_pressure { row { time: 0 value: 100 } } midplane: 0.0102 }
+  }
+)scene";
+
+participant::OpenRequest request(const std::string& text) {
+  participant::OpenRequest out;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &out.scene));
+  return out;
+}
+
+/// A solid that is led by hand.
+struct Driven {
+  SolidParticipant solid{{.threads = 1}};
+  participant::Opened opened;
+  std::int64_t step = 0;
+
+  explicit Driven(const participant::OpenRequest& open_request) : opened(solid.open(open_request)) {
+    step = std::llround(opened.time / coupling_step);
+  }
+
+  surface::FieldSet load() const {
+    surface::NodeArray force = surface::NodeArray::Zero(opened.surface.n_nodes(), 3);
+    force.col(0).setConstant(1e-6 * static_cast<double>(step + 1));
+    return {{"force", "N", force}};
+  }
+
+  participant::StepSolved solve() {
+    const double start = opened.time;
+    return solid.solve_step({step + 1, 1, start, coupling_step}, load());
+  }
+
+  surface::FieldSet go() {
+    const auto solved = solve();
+    numbers = solid.accept_step(++step);
+    opened.time += coupling_step;
+    return solved.fields;
+  }
+
+  std::vector<participant::NamedNumber> numbers;
+};
+
+std::filesystem::path fresh_folder(const std::string& name) {
+  const auto folder = std::filesystem::path(testing::TempDir()) / ("couplet_" + name);
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder / "results");
+  return folder;
+}
+
+std::vector<std::string> names(const std::vector<participant::NamedNumber>& numbers) {
+  std::vector<std::string> out;
+  for (const auto& number : numbers) out.push_back(number.name);
+  return out;
+}
+
+TEST(SolidParticipant, NeedsForceWhereThereIsAFlowAndNothingElsewhere) {
+  SolidParticipant coupled({}), alone({});
+  EXPECT_EQ(coupled.open(request(solid_text + flow_text)).needs, std::vector<std::string>{"force"});
+  const auto opened = alone.open(request(solid_text));
+  EXPECT_TRUE(opened.needs.empty());
+  EXPECT_EQ(opened.offers, (std::vector<std::string>{"displacement", "velocity"}));
+  EXPECT_EQ(opened.time, 0);
+  EXPECT_EQ(surface::find_field(opened.fields, "velocity").values.rows(), opened.surface.n_nodes());
+  EXPECT_TRUE(opened.surface.marker.contains("C1"));
+}
+
+TEST(SolidParticipant, ReportsTheSameQuantitiesAtEveryStep) {
+  Driven driven(request(solid_text + flow_text));
+  for (int n = 0; n < 7; ++n) {
+    driven.go();
+    EXPECT_THAT(names(driven.numbers),
+                testing::ElementsAre("solid.kinetic_energy", "solid.strain_energy", "solid.contact_energy",
+                                     "solid.contact_force", "solid.substeps"));
+  }
+  EXPECT_GT(driven.numbers[0].value, 0);
+  EXPECT_GE(driven.numbers[4].value, 1);
+  EXPECT_THAT(names(driven.solid.close("done")), testing::IsSupersetOf({"seconds", "peak_memory_bytes", "substeps"}));
+}
+
+TEST(SolidParticipant, ResumesFromACheckpointWithTheSameBits) {
+  const auto path = fresh_folder("solid_resume") / "fold.h5";
+  Driven through(request(solid_text + flow_text)), first(request(solid_text + flow_text));
+  for (int n = 0; n < 4; ++n) {
+    through.go();
+    first.go();
+  }
+  const std::uint64_t n_bytes = first.solid.write_checkpoint(path.string());
+  EXPECT_EQ(n_bytes, std::filesystem::file_size(path));
+  auto again = request(solid_text + flow_text);
+  again.resume_from = path.string();
+  Driven second(again);
+  EXPECT_EQ(second.step, 4);
+  for (int n = 0; n < 5; ++n) {  // over a kick, the end of settling and an estimate of the stable step
+    const auto a = through.go(), b = second.go();
+    EXPECT_EQ(surface::find_field(a, "displacement").values, surface::find_field(b, "displacement").values);
+    EXPECT_EQ(surface::find_field(a, "velocity").values, surface::find_field(b, "velocity").values);
+    EXPECT_EQ(through.numbers[1].value, second.numbers[1].value);
+  }
+}
+
+TEST(SolidParticipant, RefusesACheckpointOfAnotherMesh) {
+  const auto path = fresh_folder("solid_other_mesh") / "fold.h5";
+  Driven driven(request(solid_text));
+  driven.go();
+  driven.solid.write_checkpoint(path.string());
+  auto other = request(solid_text);
+  other.scene.mutable_solid()->mutable_body(0)->mutable_vocal_fold()->set_elements_x(4);
+  other.resume_from = path.string();
+  SolidParticipant solid({});
+  EXPECT_THROW(solid.open(other), report::FileError);
+}
+
+TEST(SolidParticipant, RefusesAStepThatDoesNotStartAtTheAcceptedTime) {
+  Driven driven(request(solid_text));
+  EXPECT_THROW(driven.solid.solve_step({1, 1, coupling_step, coupling_step}, {}), report::PeerError);
+}
+
+TEST(SolidParticipant, RefusesAForceOfAnotherSize) {
+  Driven driven(request(solid_text + flow_text));
+  const surface::FieldSet wrong = {{"force", "N", surface::NodeArray::Zero(3, 3)}};
+  EXPECT_THROW(driven.solid.solve_step({1, 1, 0, coupling_step}, wrong), report::PeerError);
+  EXPECT_THROW(driven.solid.solve_step({1, 1, 0, coupling_step}, {}), report::PeerError);
+}
+
+TEST(SolidParticipant, StoresStatesAtTheWantedTimesAlsoAfterAResume) {
+  const auto folder = fresh_folder("solid_results");
+  auto open_request = request(solid_text + "output { results_start: 2e-5 results_interval: 5e-5 }");
+  open_request.run_folder = folder.string();
+  {
+    Driven driven(open_request);
+    for (int n = 0; n < 6; ++n) driven.go();  // to 120 us
+    driven.solid.write_checkpoint((folder / "fold.h5").string());
+    driven.solid.close("done");
+  }
+  open_request.resume_from = (folder / "fold.h5").string();
+  Driven driven(open_request);
+  for (int n = 0; n < 3; ++n) driven.go();  // to 180 us
+  driven.solid.close("done");
+  // Wanted at 20, 70, 120 and 170 us: the first accepted state then or after.
+  const store::ResultReader reader(folder / "results", "fold");
+  std::vector<double> times;
+  for (std::size_t n = 0; n < reader.n_states(); ++n) times.push_back(reader.time(n));
+  EXPECT_THAT(times, testing::Pointwise(testing::DoubleNear(1e-12), {2e-5, 8e-5, 12e-5, 18e-5}));
+  EXPECT_EQ(reader.field_names(), (std::vector<std::string>{"displacement", "velocity"}));
+}
+
+TEST(SolidParticipant, WritesNothingWithoutARunFolder) {
+  Driven driven(request(solid_text + "output { results_interval: 4e-5 }"));
+  EXPECT_NO_THROW(driven.go());
+}
+
+TEST(Estimate, SaysHowBigAndHowLong) {
+  const auto numbers = estimate_solid(request(solid_text), 1);
+  EXPECT_THAT(names(numbers),
+              testing::IsSupersetOf({"elements", "nodes", "degrees_of_freedom", "memory_bytes", "stable_step",
+                                     "substeps_per_step", "seconds_per_substep", "seconds"}));
+  for (const auto& number : numbers) EXPECT_GT(number.value, 0) << number.name;
+}
+
+TEST(WorthwhileThreads, AreNeverMoreThanOfferedAndOneForASmallBody) {
+  EXPECT_EQ(worthwhile_threads(4, 100), 1);
+  EXPECT_EQ(worthwhile_threads(2, 100000), 2);
+  EXPECT_GE(worthwhile_threads(0, 100000), 1);
+}
+
+}  // namespace
+}  // namespace couplet::solid
