@@ -21,7 +21,7 @@ namespace {
 
 using namespace couplet::solid;
 
-constexpr int n_edge = 17;         // elements along an edge of the cube: 4913 of them
+constexpr int n_edge = 17;          // elements along an edge of the cube: 4913 of them
 constexpr double seconds_each = 1;  // of measuring a row
 
 struct Row {
@@ -53,8 +53,8 @@ struct Body {
     std::vector<ForcePart> parts;
     for (Index e = 0; e < mesh.n_elements(); ++e)
       for (int a = 0; a < hex20::n_nodes; ++a)
-        parts.push_back({mesh.element_node[static_cast<std::size_t>(e)][static_cast<std::size_t>(a)],
-                         element_force_start(e, a)});
+        parts.push_back(
+            {mesh.element_node[static_cast<std::size_t>(e)][static_cast<std::size_t>(a)], element_force_start(e, a)});
     return parts;
   }
 
@@ -116,7 +116,8 @@ void write_json(const std::vector<Row>& rows, const std::string& path) {
 
 int run(int argc, char** argv) {
   const std::string about =
-      "one evaluation of the internal forces of 4913 hex20, positions to nodal forces: time per element, and difference to "
+      "one evaluation of the internal forces of 4913 hex20, positions to nodal forces: time per element, and "
+      "difference to "
       "the plain form";
   CLI::App app(about);
   std::string json;
@@ -149,4 +150,6 @@ int run(int argc, char** argv) {
 
 }  // namespace
 
-int main(int argc, char** argv) { return couplet::report::run_program("bench hex20-kernel", run, argc, argv); }
+int main(int argc, char** argv) {
+  return couplet::report::run_program("bench hex20-kernel", run, argc, argv);
+}
