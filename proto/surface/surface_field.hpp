@@ -8,7 +8,8 @@
 
 namespace couplet::surface {
 
-/// The fields that flow and solid exchange: force [N] (3), displacement [m] (3), velocity [m/s] (3). Others are allowed.
+/// The fields that flow and solid exchange: force [N] (3), displacement [m] (3), velocity [m/s] (3). Others are
+/// allowed.
 struct Field {
   std::string name;
   std::string unit;
