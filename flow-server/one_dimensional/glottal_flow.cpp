@@ -134,7 +134,6 @@ void GlottalFlow::find_drops(const SectionProfile& profile, const BackwardDiffer
   const double rho = law_.density;
   const int n_intervals = axis_->n_stations() - 1;
   friction_ = law_.friction_coefficient * law_.viscosity * (profile.perimeter * velocity_per_flow_).square();
-  const int n_rubbing = law_.friction_ends_at_throat ? trial_.throat : n_intervals;
   const auto old_rate = [&](int k) {  // what the last accepted velocities add to du/dt
     return rate.before * history_.accepted.velocity[k] + rate.earlier * history_.earlier.velocity[k];
   };
@@ -148,11 +147,10 @@ void GlottalFlow::find_drops(const SectionProfile& profile, const BackwardDiffer
     // the smallest section it lies, keeps the pressure a continuous function of the shape when the throat jumps.
     const bool converges = trial_.effective_area[k + 1] < trial_.effective_area[k];
     drops_.recovery[k] = converges ? 1.0 : law_.smallest_recovery;
-  }
-  for (int k = 0; k < n_rubbing; ++k) {
-    const double half = 0.5 * (trial_.position[k + 1] - trial_.position[k]);
-    drops_.lower[k] += half * friction_[k];
-    drops_.upper[k] += half * friction_[k + 1];
+    if (converges || !law_.friction_only_where_converging) {
+      drops_.lower[k] += half * friction_[k];
+      drops_.upper[k] += half * friction_[k + 1];
+    }
   }
 }
 

@@ -37,7 +37,7 @@ GlottalLaw make_law(const v1::Fluid& fluid, const v1::Glottis& glottis) {
   if (glottis.time_derivative() == v1::Glottis::BDF2) law.time_derivative = TimeDerivative::bdf2;
   if (law.model == GlottalModel::m1 || law.model == GlottalModel::m2) {
     law.friction_coefficient = glottis.friction_coefficient();
-    law.friction_ends_at_throat = glottis.friction_range() == v1::Glottis::CONVERGING_PART;
+    law.friction_only_where_converging = glottis.friction_range() == v1::Glottis::CONVERGING_PART;
     law.smallest_recovery = glottis.smallest_recovery();
   }
   if (law.model == GlottalModel::m2) law.entrance_contraction = glottis.entrance_contraction();
