@@ -94,7 +94,7 @@ void GlottalFlow::place_stations(const SectionProfile& profile, const BackwardDi
   station_velocity_ = axis_->fraction() * exit_velocity;
 }
 
-// A = alpha A0, alpha = 1 - C1 + C1 (x - x_b)^2 / (x_a - x_b)^2 between x_a and x_b, 1 upstream of x_a [Chang, eq. 6.4]
+// A = alpha A0, alpha = 1 - C1 + C1 (x - x_b)^2 / (x_a - x_b)^2 between x_a and x_b, 1 upstream of x_a [Diss, eq. 6.4]
 void GlottalFlow::find_effective_area(const SectionProfile& profile) {
   const double C1 = law_.entrance_contraction;
   if (C1 > 0) {
@@ -120,7 +120,7 @@ void GlottalFlow::find_effective_area(const SectionProfile& profile) {
   }
 }
 
-// u_k = a_k + b_k Q from A_k (u_k - dx_k/dt) = Q - dVol_k/dt [Chang, eq. 5.1, integrated over x]
+// u_k = a_k + b_k Q from A_k (u_k - dx_k/dt) = Q - dVol_k/dt [Diss, eq. 5.1, integrated over x]
 void GlottalFlow::find_velocity_line(const BackwardDifference& rate) {
   velocity_per_flow_ = trial_.effective_area.inverse();
   velocity_without_flow_ =
@@ -129,7 +129,7 @@ void GlottalFlow::find_velocity_line(const BackwardDifference& rate) {
 }
 
 // rho (du/dt at fixed xi - dx/dt du/dx) + chi rho u du/dx + dp/dx + C0 mu (s/A)^2 u = 0 over each interval, trapezoidal
-// rule [Chang, eqs. 5.2-5.5]
+// rule [Diss, eqs. 5.2-5.5]
 void GlottalFlow::find_drops(const SectionProfile& profile, const BackwardDifference& rate) {
   const double rho = law_.density;
   const int n_intervals = axis_->n_stations() - 1;

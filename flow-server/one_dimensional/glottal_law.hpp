@@ -15,7 +15,7 @@ enum class TimeDerivative {
   bdf2,            // second order
 };
 
-/// The numbers of the momentum equation [Chang, eqs. 5.1-5.6, 6.1-6.4], see README.md. Bernoulli is the case C0 = 0,
+/// The numbers of the momentum equation [Diss, eqs. 5.1-5.6, 6.1-6.4], see README.md. Bernoulli is the case C0 = 0,
 /// chi = 1.
 struct GlottalLaw {
   GlottalModel model = GlottalModel::m2;
