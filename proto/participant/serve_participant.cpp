@@ -59,6 +59,7 @@ class Server {
       if (!failure_) throw;
     }
     if (failure_) std::rethrow_exception(failure_);
+    if (step_failure_) std::rethrow_exception(step_failure_);
   }
 
  private:
@@ -186,6 +187,7 @@ class Server {
     }
     StepSolved solved =
         participant_.solve_step({request.step(), request.iteration(), request.start(), request.duration()}, fields);
+    step_failure_ = nullptr;
     auto* answer = reply.mutable_step_solved();
     answer->set_seconds(solved.seconds);
     answer->set_inner_iterations(solved.inner_iterations);
@@ -207,6 +209,7 @@ class Server {
 
   // A step that cannot be solved leaves the accepted state as it was: the coupler may try again, with half the step.
   Frames step_refusal(std::uint64_t sequence) {
+    step_failure_ = std::current_exception();
     state_ = SessionState::opened;
     return failure_reply(sequence);
   }
@@ -240,7 +243,8 @@ class Server {
   std::vector<std::string> needs_;
   std::int64_t n_nodes_ = 0;
   bool is_open_ = false;
-  std::exception_ptr failure_;  // the first
+  std::exception_ptr failure_;       // the first
+  std::exception_ptr step_failure_;  // of the last solve; forgotten when a later one succeeds
 };
 
 }  // namespace

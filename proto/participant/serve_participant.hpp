@@ -19,7 +19,8 @@ struct ServeOptions {
 
 /// Serves one session until it is closed. Refuses what session_rules refuse, answers a repeated sequence number by the
 /// stored reply. A report::Failure of the participant is sent to the coupler as Failure and thrown again after the
-/// close. Throws PeerError when the coupler is lost.
+/// close; a step that failed numerically may be tried again, and is thrown only when it was the last word. Throws
+/// PeerError when the coupler is lost.
 void serve_participant(wire::Channel& channel, Participant& participant, const ServeOptions& options);
 
 }  // namespace couplet::participant

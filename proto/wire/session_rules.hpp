@@ -14,7 +14,7 @@ inline constexpr std::uint32_t protocol_version = 1;
 enum class SessionState {
   connected,  // waits for hello
   greeted,    // waits for open-scene
-  opened,     // has an accepted state, no step yet
+  opened,     // has an accepted state; no step yet, or the last one could not be solved
   solved,     // has a trial state
   accepted,   // has an accepted state, no trial state
   failed,     // only close is allowed

@@ -214,6 +214,19 @@ TEST(Session, AStepThatFailsNumericallyMayBeTriedAgain) {
   EXPECT_EQ(other.end_with_failure(), "");
 }
 
+TEST(Session, AFailedStepThatIsTheLastWordIsThrownAfterTheClose) {
+  auto [coupler_end, server_end] = wire::make_memory_channel();
+  SpringServer server(std::move(server_end));
+  server.spring.on_solve = [] { throw report::NumericsError("element 3", "is inverted", "halve the step"); };
+  server.begin();
+  RemoteParticipant remote(std::move(coupler_end), {"solid", "run"});
+  remote.open(open_request());
+  EXPECT_THROW(remote.solve_step({1, 1, 0, 0.1}, force(1)), report::NumericsError);
+  EXPECT_THROW(remote.solve_step({1, 1, 0, 0.05}, force(1)), report::NumericsError);
+  remote.close("failed");
+  EXPECT_EQ(server.end_with_failure(), "element 3: is inverted; halve the step");
+}
+
 TEST(Session, AFailureToOpenIsClosedToo) {
   auto [coupler_end, server_end] = wire::make_memory_channel();
   SpringServer server(std::move(server_end));
