@@ -29,19 +29,32 @@ std::filesystem::path default_folder(const std::filesystem::path& scene) {
   return free;
 }
 
-/// A run never overwrites another one unasked.
-store::RunFolder open_folder(const RunOptions& options) {
-  const store::RunFolder folder{options.out.empty() ? default_folder(options.scene) : options.out};
+/// A run never overwrites another one unasked. A run that is resumed goes on in its own folder unless told otherwise.
+store::RunFolder choose_folder(const RunOptions& options) {
+  const store::RunFolder resumed{options.resume};
+  const bool resumes_folder = !options.resume.empty() && std::filesystem::exists(resumed.history());
+  const store::RunFolder folder{!options.out.empty() ? options.out
+                                : resumes_folder     ? options.resume
+                                                     : default_folder(options.scene)};
   std::error_code ignored;
-  const bool holds_run = std::filesystem::exists(folder.summary(), ignored);
-  const bool resumes_it = !options.resume.empty() && std::filesystem::equivalent(folder.path, options.resume, ignored);
-  if (holds_run && !resumes_it && !options.force) {
+  const bool is_resumed = resumes_folder && std::filesystem::equivalent(folder.path, options.resume, ignored);
+  if (std::filesystem::exists(folder.summary(), ignored) && !is_resumed && !options.force) {
     throw report::SceneError("--out " + folder.path.string(), "this folder already holds a run",
                              "choose another folder, or add --force to replace it");
   }
-  store::make_run_folder(folder.path);
-  if (holds_run) std::filesystem::remove(folder.summary(), ignored);
   return folder;
+}
+
+/// Makes the folder. What an earlier run left is removed where it is replaced; a resumed run needs it.
+void prepare_folder(const store::RunFolder& folder, const RunOptions& options) {
+  store::make_run_folder(folder.path);
+  std::error_code ignored;
+  std::filesystem::remove(folder.summary(), ignored);
+  if (!options.force || !options.resume.empty()) return;
+  for (const auto& left : {folder.history(), folder.iterations(), folder.report(), folder.log()}) {
+    std::filesystem::remove(left, ignored);
+  }
+  std::filesystem::remove_all(folder.checkpoints(), ignored);
 }
 
 RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, RunConsole& console) {
@@ -73,8 +86,9 @@ int run_scene(const RunOptions& options) {
   const Installation installation = find_installation();
   const scene::SceneFile file = read_checked_scene(options.scene, options.settings);
   const SocketFolder sockets;
-  const store::RunFolder folder = open_folder(options);
+  const store::RunFolder folder = choose_folder(options);
   const LaunchPlan plan = plan_launch(file.scene, options, installation, folder.path, sockets.path());
+  prepare_folder(folder, options);
   RunConsole console(folder.log(), options.quiet);
   console.show(file.scene.title() + "\n  results in " + folder.path.string());
 

@@ -1,7 +1,9 @@
 #include "deploy/launcher/supervisor.hpp"
 
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/signalfd.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +19,7 @@ Supervisor::Supervisor(RunConsole& console, Patience patience) : console_(consol
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&signals, signal);
   sigprocmask(SIG_BLOCK, &signals, &signals_before_);
+  prctl(PR_SET_CHILD_SUBREAPER, 1);  // a rank that outlives its mpirun becomes our child
   signal_file_ = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
 }
 
@@ -56,6 +59,7 @@ RunEnding Supervisor::run_to_end() {
     note_frozen();
     end_survivors();
   }
+  kill_orphans();
   return ending_;
 }
 
@@ -120,7 +124,8 @@ void Supervisor::hear(Program& program, OutputLine line, bool is_error) {
   const std::string greeting = "listening ";
   if (!is_error && line.text.starts_with(greeting)) program.address = line.text.substr(greeting.size());
   if (is_last_word(line.text)) {
-    program.last_words = line.text;  // said at the end of the run, after everything else
+    // Said at the end of the run, after everything else. Of an MPI job the coupler's word counts.
+    if (program.last_words.empty() || speaker == program.name || speaker == "rank 0") program.last_words = line.text;
   } else if (is_for_user && speaker != "mpirun") {
     console_.show(line.text);
   }
@@ -190,6 +195,15 @@ void Supervisor::signal_all(int signal) {
     program.process.send_signal(signal);
     if (signal == SIGTERM) continue;  // mpirun passes it on in good order
     for (const ProcessState& process : tree) kill(process.pid, signal);
+  }
+}
+
+/// What was left by a program that has ended, for example a frozen rank by its mpirun.
+void Supervisor::kill_orphans() {
+  for (const ProcessState& process : process_tree(getpid())) {
+    if (process.pid == getpid()) continue;
+    kill(process.pid, SIGKILL);
+    waitpid(process.pid, nullptr, 0);
   }
 }
 

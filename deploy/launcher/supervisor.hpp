@@ -65,6 +65,7 @@ class Supervisor {
   void signal_all(int signal);
   void hurry();
   void give_up(const std::string& why);
+  static void kill_orphans();
   bool any_running() const;
 
   RunConsole& console_;

@@ -61,7 +61,7 @@ def main():
 
 
 def write_outline(run, path):
-    states = run.results("solid")
+    states = run.results("hexahedron20")
     chart = states and fold.outline_figure(run, states, fold.cycle_length(run), width=8.0, height=3.6)
     if chart:
         write(path, svg_of(chart, "outline") + "\n")

@@ -13,6 +13,7 @@ class ResultStates:
         with h5py.File(folder / f"{name}.h5", "r") as file:
             self.position = file["mesh/position"][()]
             self.cell = file["mesh/cell"][()].ravel()
+            self.shape = _text(file["mesh/shape"])
             self.field_names = _text(file["field_names"]).split(",")
         for path in [folder / f"{name}.h5"] + blocks:
             with h5py.File(path, "r") as file:

@@ -50,16 +50,19 @@ class RunFolder:
         self.iterations = self._read("iterations.csv", Table, is_needed=False)
         self.scene = self._read("resolved_scene.txtpb", lambda file: parse_scene_text(file.read_text())) or {}
 
-    def results(self, name):
-        """Fields over time of `solid` or `flow`; None without them."""
-        if not (self.path / "results" / f"{name}.h5").exists():
-            return None
-        try:
-            states = ResultStates(self.path / "results", name)
-            return states if len(states) else None
-        except (OSError, KeyError, ValueError) as error:
-            self.troubles.append(f"results/{name}.h5 cannot be read: {error}")
-            return None
+    def results(self, shape):
+        """Fields over time on cells of a shape: `hexahedron20` for a solid, `polyline` for a one-dimensional flow. None without them."""
+        for file in sorted((self.path / "results").glob("*.xmf")):
+            try:
+                states = ResultStates(file.parent, file.stem)
+            except (OSError, KeyError, ValueError) as error:
+                trouble = f"results/{file.stem}.h5 cannot be read: {error}"
+                if trouble not in self.troubles:
+                    self.troubles.append(trouble)
+                continue
+            if states.shape == shape and len(states):
+                return states
+        return None
 
     def quantity(self, name):
         """Value of a quantity of the summary; None without it."""

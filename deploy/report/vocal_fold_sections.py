@@ -106,7 +106,7 @@ def outline_figure(run, states, period, width=9.0, height=4.2):
 
 
 def outline(run):
-    states = run.results("solid") if find(run.scene, "solid.body.vocal_fold") else None
+    states = run.results("hexahedron20") if find(run.scene, "solid.body.vocal_fold") else None
     if states is None or "displacement" not in states.field_names:
         return ""
     chart = outline_figure(run, states, cycle_length(run))
@@ -135,7 +135,7 @@ def glottal_flow(run):
 
 def pressure_along_glottis(run):
     """Pressure over x when the glottis opens, is widest and closes, in the last cycle that is stored."""
-    states = run.results("flow") if find(run.scene, "flow.glottis") else None
+    states = run.results("polyline") if find(run.scene, "flow.glottis") else None
     period = cycle_length(run)
     if states is None or period is None or any(name not in states.field_names for name in ("pressure", "area")):
         return ""

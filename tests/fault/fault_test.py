@@ -34,13 +34,16 @@ class FaultCase(unittest.TestCase):
         names, rows = run.history()
         self.assertGreaterEqual(len(rows), n_steps)
         self.assertTrue(all(len(row) == len(names) for row in rows))
-        for name in ("solid", "flow"):
-            with h5py.File(run.out / "results" / f"{name}.h5") as file:
+        pictures = sorted((run.out / "results").glob("*.xmf"))
+        self.assertEqual([picture.stem for picture in pictures], ["flow", "fold"])
+        for picture in pictures:
+            with h5py.File(picture.with_suffix(".h5")) as file:
                 self.assertGreater(int(file["n_states"][()].ravel()[0]), 0)
-        with meshio.xdmf.TimeSeriesReader(run.out / "results" / "solid.xmf") as reader:
-            points, cells = reader.read_points_cells()
-            time_, fields, _ = reader.read_data(reader.num_steps - 1)
-        self.assertEqual(fields["displacement"].shape, points.shape)
+        with meshio.xdmf.TimeSeriesReader(pictures[1]) as reader:
+            points, _ = reader.read_points_cells()
+            self.assertGreater(reader.num_steps, 0)
+            for state in range(reader.num_steps):
+                self.assertEqual(reader.read_data(state)[1]["displacement"].shape, points.shape)
 
 
 class LossTest(FaultCase):
@@ -149,8 +152,8 @@ class RefusalTest(FaultCase):
                                    "flow.glottis.exit_pressure=0"])
         code, lines = run.end(300)
         self.assertEqual(code, 3, lines)
-        self.assertIn("diverged", lines[-1])
-        self.assertIn("use M2", lines[-1])
+        self.assertRegex(lines[-1], "diverged|does not converge")
+        self.assertIn("; ", lines[-1], "what to do next")
         self.expect_readable_results(run, 1)
 
 

@@ -80,6 +80,13 @@ TEST_F(SupervisorTest, GivesUpAProgramThatWasStoppedByASignal) {
   EXPECT_EQ(judge(ending).exit_code, 4);
 }
 
+TEST_F(SupervisorTest, LeavesNothingThatAProgramHasStarted) {
+  Supervisor supervisor(console_, patience_);
+  supervisor.start_leader(script("mpirun", "sleep 60 & exit 0"));
+  EXPECT_EQ(judge(supervisor.run_to_end()).exit_code, 0);
+  EXPECT_EQ(process_tree(getpid()).size(), 1u);  // this test itself
+}
+
 TEST_F(SupervisorTest, PassesOnTheWishToStopToTheLeaderOnly) {
   Supervisor supervisor(console_, patience_);
   supervisor.start_server(script("solid-server", "trap 'exit 9' TERM; sleep 0.7"));

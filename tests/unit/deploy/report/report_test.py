@@ -75,10 +75,10 @@ class PageTest(FolderTest):
     def test_damaged_files_are_named_and_do_not_stop_the_page(self):
         run = write_run(self.folder / "run")
         (run / "summary.json").write_text("{")
-        (run / "results" / "solid.h5").write_bytes(b"torn")
+        (run / "results" / "fold.h5").write_bytes(b"torn")
         page = report_page(RunFolder(run))
         self.assertIn("summary.json cannot be read", page)
-        self.assertIn("results/solid.h5 cannot be read", page)
+        self.assertIn("results/fold.h5 cannot be read", page)
 
     def test_an_empty_folder_still_has_a_page(self):
         self.assertIn("history.csv is missing", report_page(RunFolder(self.folder)))
@@ -94,7 +94,7 @@ class PageTest(FolderTest):
 
 class OutlineTest(FolderTest):
     def test_follows_the_edge_of_the_middle_section_without_the_wall(self):
-        states = RunFolder(write_run(self.folder / "run")).results("solid")
+        states = RunFolder(write_run(self.folder / "run")).results("hexahedron20")
         nodes = middle_outline(states, 0.02)
         position = states.position[nodes]
         self.assertEqual(len(nodes), 13)  # two elements up, two along, two down: six edges of two pieces each

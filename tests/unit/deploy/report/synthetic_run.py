@@ -30,11 +30,12 @@ def hex20_box(n_x, n_y, n_z, length):
     return position, numpy.array(cells)
 
 
-def write_result(folder, name, position, cells, times, fields):
+def write_result(folder, name, shape, position, cells, times, fields):
     """One block; `fields` is a function of time that gives a dictionary of arrays."""
     folder.mkdir(exist_ok=True)
     with h5py.File(folder / f"{name}.h5", "w") as file:
         file["mesh/position"], file["mesh/cell"] = position, cells
+        file["mesh/shape"] = shape
         file["field_names"] = ",".join(fields(0.0))
         file["n_states"], file["time"] = numpy.array([len(times)]), numpy.array(times)
         for i, time in enumerate(times):
@@ -42,6 +43,7 @@ def write_result(folder, name, position, cells, times, fields):
             for field, array in values.items():
                 file[f"state/{i}/{field}"] = array.astype("f4")
             file[f"state/{i}/position"] = (position + values["displacement"]).astype("f4")
+    (folder / f"{name}.xmf").write_text("<Xdmf/>")
 
 
 def swing(time):
@@ -68,11 +70,11 @@ def write_run(folder, n_rows=5000, end=0.5):
         ["step [1],time [s],dt [s],iteration [1],displacement.change [m],displacement.relative_change [1]"] + iterations) + "\n")
     times = list(numpy.arange(end - 3 / FREQUENCY, end, 1 / FREQUENCY / 40))
     position, cells = hex20_box(2, 2, 2, (0.004, 0.002, 0.02))
-    write_result(folder / "results", "solid", position, cells, times,
+    write_result(folder / "results", "fold", "hexahedron20", position, cells, times,
                  lambda t: {"displacement": numpy.outer(position[:, 1] / 0.002 * swing(t), [0, 1, 0])})
     line = numpy.zeros((50, 3))
     line[:, 0] = numpy.linspace(0, 0.01, 50)
-    write_result(folder / "results", "flow", line, numpy.arange(50), times,
+    write_result(folder / "results", "flow", "polyline", line, numpy.arange(50), times,
                  lambda t: {"displacement": 0 * line, "pressure": numpy.linspace(1000, 0, 50)[:, None],
                             "area": numpy.full((50, 1), 5e-6 + 4e-6 * math.sin(2 * math.pi * FREQUENCY * t))})
     summary = {"status": "finished", "scene": "scene.txtpb", "version": "1", "commit": "abc", "steps": n_rows, "end_time": end,
