@@ -49,26 +49,28 @@ struct NamedNumber {
   std::string unit;
 };
 
-/// The contract. Calls come in the order: open, then for each step one or more solve_step and at most one accept_step (after it
-/// write_checkpoint may follow), then close. SI units. Any call may throw a report::Failure, after which only close follows.
+/// The contract. Calls come in the order: open, then for each step one or more solve_step and at most one accept_step
+/// (after it write_checkpoint may follow), then close. SI units. Any call may throw a report::Failure, after which only
+/// close follows.
 class Participant {
  public:
   virtual ~Participant() = default;
 
   virtual Opened open(const OpenRequest& request) = 0;
 
-  /// Solves [start, start + duration] from the last accepted state, given the needed fields at the end of the step. Repeating
-  /// it, with any interval, changes nothing but the trial state: equal arguments give equal bits.
+  /// Solves [start, start + duration] from the last accepted state, given the needed fields at the end of the step.
+  /// Repeating it, with any interval, changes nothing but the trial state: equal arguments give equal bits.
   virtual StepSolved solve_step(const StepInterval& interval, const surface::FieldSet& fields) = 0;
 
-  /// solve_step in two halves, so that two participants can work at the same time. A participant in this process simply works
-  /// in the first half; one behind a channel overrides both.
+  /// solve_step in two halves, so that two participants can work at the same time. A participant in this process simply
+  /// works in the first half; one behind a channel overrides both.
   virtual void start_step(const StepInterval& interval, const surface::FieldSet& fields) {
     started_ = solve_step(interval, fields);
   }
   virtual StepSolved finish_step() { return std::move(started_); }
 
-  /// Makes the last trial state the accepted one. Returns quantities for history.csv: the same names and units every time.
+  /// Makes the last trial state the accepted one. Returns quantities for history.csv: the same names and units every
+  /// time.
   virtual std::vector<NamedNumber> accept_step(std::int64_t step) = 0;
 
   /// Writes the accepted state so that open(resume_from = path) continues with equal bits. Returns the bytes written.
