@@ -24,11 +24,12 @@ def new_figure(n_rows=1, n_columns=1, width=9.0, height=2.7, **options):
     return pyplot.subplots(n_rows, n_columns, figsize=(width, height * n_rows), **options)
 
 
-def svg_of(figure, name):
-    """The figure as SVG that scales with the page. `name` keeps the ids of several figures on one page apart."""
+def svg_of(figure, name, trim=False):
+    """The figure as SVG that scales with the page. `name` keeps the ids of several figures on one page apart. `trim` fits the picture
+    to what is drawn, for axes that keep their own proportions."""
     matplotlib.rcParams["svg.hashsalt"] = name
     file = io.StringIO()
-    figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+    figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight" if trim else None)
     pyplot.close(figure)
     text = file.getvalue()
     text = text[text.index("<svg"):]

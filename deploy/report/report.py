@@ -64,7 +64,7 @@ def write_outline(run, path):
     states = run.results("hexahedron20")
     chart = states and fold.outline_figure(run, states, fold.cycle_length(run), width=8.0, height=3.6)
     if chart:
-        write(path, svg_of(chart, "outline") + "\n")
+        write(path, svg_of(chart, "outline", trim=True) + "\n")
 
 
 if __name__ == "__main__":

@@ -74,6 +74,13 @@ def _chain(edges, position):
         chain += onward[0]
 
 
+def along_quadratic_edges(points, n_pieces=6):
+    """Points along edges of three nodes each (end, middle, end, middle, ...), as the elements' shape functions bend them."""
+    xi = numpy.linspace(-1, 1, n_pieces + 1)[:-1, None]
+    curve = [0.5 * xi * (xi - 1) * a + (1 - xi**2) * m + 0.5 * xi * (xi + 1) * b for a, m, b in zip(points[:-2:2], points[1:-1:2], points[2::2])]
+    return numpy.concatenate([*curve, points[-1:]])
+
+
 def outline_figure(run, states, period, width=9.0, height=4.2):
     """Outlines of both folds over the last cycle, and at rest."""
     fold = find(run.scene, "solid.body.vocal_fold", {})
@@ -84,12 +91,12 @@ def outline_figure(run, states, period, width=9.0, height=4.2):
     wanted = last - (period or numpy.ptp(states.time) / 10) * numpy.linspace(1, 0, 13)[1:]
     chosen = sorted({states.nearest(time) for time in wanted if time >= states.time[0] - 1e-12})
     chart, axes = new_figure(width=width, height=height)
-    rest = 1e3 * states.position[nodes]
+    rest = along_quadratic_edges(1e3 * states.position[nodes])
     midplane = find(run.scene, "flow.glottis.midplane")
     axes.plot(rest[:, 0], rest[:, 1], color="#999", linestyle="--", linewidth=1, label="at rest")
     colours = colormaps["viridis"](numpy.linspace(0, 0.92, len(chosen)))
     for colour, state in zip(colours, chosen):
-        moved = rest + 1e3 * states.field(state, "displacement")[nodes]
+        moved = along_quadratic_edges(1e3 * (states.position + states.field(state, "displacement"))[nodes])
         share = (states.time[state] - last) / period if period else 0
         axes.plot(moved[:, 0], moved[:, 1], color=colour, linewidth=1.1, label=f"{1 + share:.2f} of the cycle" if period else None)
         if midplane:
@@ -112,7 +119,7 @@ def outline(run):
     chart = outline_figure(run, states, cycle_length(run))
     if chart is None:
         return ""
-    return section("Outline at mid length", figure(svg_of(chart, "outline"), "Edge of the fold in its middle section over the last cycle; above, fainter, its mirror image."))
+    return section("Outline at mid length", figure(svg_of(chart, "outline", trim=True), "Edge of the fold in its middle section over the last cycle; above, fainter, its mirror image."))
 
 
 def glottal_flow(run):
