@@ -12,7 +12,7 @@
 namespace couplet::flow {
 
 /// Consistent nodal forces f_i = - integral of N_i p (dX/dr x dX/ds) dr ds over the deformed faces (a follower load),
-/// by 3 x 3 Gauss points a face: exact when p is constant [ZTZ, sec. 6.4]. p is that of the stations, linear in
+/// by 3 x 3 Gauss points a face: exact when p is constant [ZTZ, ch. 5]. p is that of the stations, linear in
 /// between, at the current x of each point: the inlet pressure upstream of the first station, the exit pressure
 /// downstream of the exit line.
 class PressureForce {

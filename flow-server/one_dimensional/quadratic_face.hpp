@@ -6,7 +6,7 @@
 namespace couplet::flow {
 
 /// Shape functions of the serendipity quadrilateral at one point (r, s) in [-1, 1]^2 and their derivatives [ZTZ,
-/// sec. 6.4]. Nodes: corners (-1,-1), (1,-1), (1,1), (-1,1), then the middles of edges 0-1, 1-2, 2-3, 3-0.
+/// ch. 4]. Nodes: corners (-1,-1), (1,-1), (1,1), (-1,1), then the middles of edges 0-1, 1-2, 2-3, 3-0.
 struct QuadraticFacePoint {
   std::array<double, 8> value;  // N_i
   std::array<double, 8> by_r;   // dN_i/dr
