@@ -10,13 +10,14 @@
 namespace couplet::coupling {
 
 /// An iteration that overflows may look converged: saturated values stop changing, and a change relative to a huge
-/// value is small. Therefore the change of each field over the step is compared with the first change that an iteration
-/// of this step made and with the largest change of any accepted step; growth beyond a generous factor is divergence.
+/// value is small. Therefore the change of each field over the step is compared with the largest of: the field itself,
+/// its change in any accepted step, and its change in the first iterations of this step. Growth beyond a generous
+/// factor is divergence.
 class LevelGuard {
  public:
   explicit LevelGuard(std::vector<Segment> segments);
 
-  void start_step() { first_change_.assign(segments_.size(), 0); }
+  void start_step();
 
   /// What is wrong with the fields, or nothing. `accepted` is the state at the start of the step.
   std::optional<std::string> check(const Eigen::VectorXd& fields, const Eigen::VectorXd& accepted);
@@ -29,7 +30,8 @@ class LevelGuard {
 
  private:
   std::vector<Segment> segments_;
-  std::vector<double> first_change_;    // of this attempt, per field; 0: none yet
+  int n_checked_ = 0;                   // iterations of this attempt
+  std::vector<double> first_change_;    // largest in the first iterations of this attempt, per field
   std::vector<double> largest_change_;  // of all accepted steps, per field
 };
 

@@ -1,5 +1,6 @@
 #include "coupler/scheme/make_scheme.hpp"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -30,6 +31,18 @@ std::string unit_of(const std::string& field, const InterfaceLayout& layout) {
                            "name one of these");
 }
 
+constexpr double default_relative = 1e-5;
+
+// When both solve at the same time, a motion that fits its load says nothing about a load that fits its motion.
+void add_load_criteria(const InterfaceLayout& layout, std::vector<Criterion>& criteria) {
+  double tightest = default_relative;
+  for (const Criterion& criterion : criteria) tightest = std::min(tightest, criterion.relative.value_or(tightest));
+  for (const Segment& segment : layout.load) {
+    const auto names_it = [&](const Criterion& criterion) { return criterion.field == segment.name; };
+    if (std::none_of(criteria.begin(), criteria.end(), names_it)) criteria.push_back({segment.name, {}, tightest});
+  }
+}
+
 std::vector<Criterion> make_criteria(const v1::Coupling& coupling, const InterfaceLayout& layout) {
   std::vector<Criterion> criteria;
   if (coupling.scheme() == v1::Coupling::EXPLICIT) {
@@ -46,7 +59,8 @@ std::vector<Criterion> make_criteria(const v1::Coupling& coupling, const Interfa
     }
     criteria.push_back(std::move(criterion));
   }
-  if (criteria.empty()) criteria.push_back({layout.motion.front().name, {}, 1e-5});
+  if (criteria.empty()) criteria.push_back({layout.motion.front().name, {}, default_relative});
+  if (coupling.scheme() == v1::Coupling::PARALLEL_IMPLICIT) add_load_criteria(layout, criteria);
   return criteria;
 }
 
