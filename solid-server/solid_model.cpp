@@ -69,7 +69,8 @@ struct SolidModel::Parts {
         wetted(make_wetted_surface(setup.mesh, setup.wetted)),
         mass(lumped_mass(setup.mesh, setup.density)),
         inverse_mass(solid::inverse_mass(setup.mesh, mass, setup.supports)),
-        force(setup.mesh, setup.material, setup.points_per_element, wetted, setup.pressures, setup.planes),
+        force(setup.mesh, setup.material, setup.points_per_element, wetted, setup.pressures, setup.planes,
+              setup.n_threads),
         team(setup.n_threads),
         integrator(force, inverse_mass, setup.damping, kick_velocities(setup.mesh, setup.kicks), team),
         smallest_length(smallest_edge(setup.mesh)),
@@ -89,12 +90,7 @@ struct SolidModel::Parts {
 
   /// The force at t = 0, before any interface load: pressures and planes may already act.
   void find_first_force() {
-    Motion& motion = accepted.motion;
-    force.write_parts(0, 1, motion.displacement.data(), {motion.time, 0, false});
-    for (Index n = 0; n < setup.mesh.n_nodes(); ++n) {
-      const NodeQuad at_node = force.at(n);
-      for (int i = 0; i < 4; ++i) motion.force(n, i) = at_node[i];
-    }
+    accepted.motion.force = force.all(accepted.motion.displacement, {accepted.motion.time, 0, false});
   }
 
   [[noreturn]] void refuse_inverted(double start, double end) const {

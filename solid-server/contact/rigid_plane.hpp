@@ -36,12 +36,11 @@ class PlaneContact {
   Eigen::VectorXd stiffness_bound(Index n_nodes) const;
 
  private:
-  bool is_near(const Pack& highest) const;
+  bool touches(const Pack (&y)[n_face_points]) const;
 
   FacePacks faces_;
   std::vector<RigidPlane> planes_;
   std::vector<StoredPack> area_;  // dA at rest [m^2], (n_packs, 9)
-  double overshoot_ = 0;  // how far an interpolated y can lie beyond the highest node, over the spread of the nodes [1]
 };
 
 }  // namespace couplet::solid

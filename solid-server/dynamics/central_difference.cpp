@@ -32,26 +32,15 @@ void CentralDifference::advance(const Motion& from, double duration, int n_subst
                                 const surface::NodeArray& interface_force, Motion& to) {
   plan(from, duration, n_substeps, to);
   force_.forget_inverted();
-  force_.set_interface_load(from.has_interface_force ? from.interface_force : interface_force, interface_force);
-  if (!from.has_interface_force) to.force = from.force + force_.interface_load_at_start();
+  force_.surface().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
+                                      interface_force);
+  if (!from.has_interface_force) to.force = from.force + force_.surface().interface_load_at_start();
   const double* first_force = (from.has_interface_force ? from.force : to.force).data();
 
   team_.run([&](int member) {
-    const Share nodes = share_of(static_cast<int>(inverse_mass_.rows()), member, team_.n_members());
-    start(from, first_force, substeps_.front(), nodes, to);
-    for (int k = 0; k < n_substeps; ++k) {
-      const bool is_last = k == n_substeps - 1;
-      const auto& substep = substeps_[static_cast<std::size_t>(k)];
-      team_.barrier();
-      force_.write_parts(member, team_.n_members(), to.displacement.data(),
-                         {substep.end, static_cast<double>(k + 1) / n_substeps, is_last});
-      team_.barrier();
-      if (force_.inverted_element() >= 0) return;
-      if (is_last)
-        finish(substep, nodes, to);
-      else
-        turn(substep, substeps_[static_cast<std::size_t>(k) + 1], nodes, to);
-    }
+    start(from, first_force, share_of(static_cast<int>(inverse_mass_.rows()), member, team_.n_members()), to);
+    for (int k = 0; k < n_substeps; ++k)
+      if (!substep(member, k, to)) return;  // for all members at once
   });
   to.time = from.time + duration;
   to.interface_force = interface_force;
@@ -77,8 +66,9 @@ void CentralDifference::plan(const Motion& from, double duration, int n_substeps
   }
 }
 
-void CentralDifference::start(const Motion& from, const double* force, const Substep& next, Share nodes,
-                              Motion& to) const {
+/// The first half kick and drift.
+void CentralDifference::start(const Motion& from, const double* force, Share nodes, Motion& to) const {
+  const Substep& next = substeps_.front();
   const double d = next.damping_factor;
   for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
     NodeQuad v = quad(from.velocity.data(), n);
@@ -89,28 +79,46 @@ void CentralDifference::start(const Motion& from, const double* force, const Sub
   }
 }
 
-/// The end of one substep and the start of the next.
-void CentralDifference::turn(const Substep& last, const Substep& next, Share nodes, Motion& to) const {
-  const double d_last = last.damping_factor, d_next = next.damping_factor;
+/// The force at the end of substep k; the second half kick; if another substep follows, its first half kick and drift.
+/// Each node moves on as soon as its force is known. False when an element is turned inside out.
+bool CentralDifference::substep(int member, int k, Motion& to) {
+  const auto n_substeps = static_cast<int>(substeps_.size());
+  const Substep& last = substeps_[static_cast<std::size_t>(k)];
+  const double d_last = last.damping_factor, half = h_ / 2;
+  const double* const inverse_mass = inverse_mass_.data();
   double* const velocity = to.velocity.data();
   double* const displacement = to.displacement.data();
-  for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
-    const NodeQuad change = (h_ / 2) * (force_.at(static_cast<Index>(n)) * quad(inverse_mass_.data(), n));
-    NodeQuad v = d_last * (quad(velocity, n) + change);
-    if (next.kick) v += quad(next.kick, n);
+  const bool is_last = k == n_substeps - 1;
+  const Moment moment{last.end, static_cast<double>(k + 1) / n_substeps, is_last};
+
+  if (is_last)
+    return visit_all(member, displacement, moment, [&](Index node, const NodeQuad& force) {
+      put(d_last * (quad(velocity, node) + half * (force * quad(inverse_mass, node))), velocity, node);
+      put(force, to.force.data(), node);
+    });
+
+  const Substep& next = substeps_[static_cast<std::size_t>(k) + 1];
+  const double d_next = next.damping_factor;
+  return visit_all(member, displacement, moment, [&](Index node, const NodeQuad& force) {
+    const NodeQuad change = half * (force * quad(inverse_mass, node));
+    NodeQuad v = d_last * (quad(velocity, node) + change);
+    if (next.kick) v += quad(next.kick, node);
     v = d_next * v + change;
-    put(v, velocity, n);
-    put(quad(displacement, n) + h_ * v, displacement, n);
-  }
+    put(v, velocity, node);
+    put(quad(displacement, node) + h_ * v, displacement, node);
+  });
 }
 
-void CentralDifference::finish(const Substep& last, Share nodes, Motion& to) const {
-  for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
-    const NodeQuad force = force_.at(static_cast<Index>(n));
-    const NodeQuad change = (h_ / 2) * (force * quad(inverse_mass_.data(), n));
-    put(last.damping_factor * (quad(to.velocity.data(), n) + change), to.velocity.data(), n);
-    put(force, to.force.data(), n);
-  }
+template <class Visit>
+bool CentralDifference::visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit) {
+  team_.barrier();
+  force_.write_surface_parts(member, displacement, moment);
+  team_.barrier();
+  force_.sweep(member, displacement, moment, visit);
+  team_.barrier();
+  if (force_.inverted_element() >= 0) return false;
+  force_.visit_shared(member, visit);
+  return true;
 }
 
 }  // namespace couplet::solid

@@ -30,9 +30,10 @@ class CentralDifference {
   };
 
   void plan(const Motion& from, double duration, int n_substeps, Motion& to);
-  void start(const Motion& from, const double* force, const Substep& next, Share nodes, Motion& to) const;
-  void turn(const Substep& last, const Substep& next, Share nodes, Motion& to) const;
-  void finish(const Substep& last, Share nodes, Motion& to) const;
+  void start(const Motion& from, const double* force, Share nodes, Motion& to) const;
+  bool substep(int member, int k, Motion& to);
+  template <class Visit>
+  bool visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit);
 
   NodalForce& force_;
   NodeVectors inverse_mass_;  // (n_nodes, 4), 0 where a support holds [1/kg]

@@ -4,41 +4,52 @@
 
 #include <atomic>
 
-#include "solid-server/assembly/force_gather.hpp"
-#include "solid-server/contact/rigid_plane.hpp"
+#include "solid-server/assembly/sweep_plan.hpp"
+#include "solid-server/dynamics/surface_force.hpp"
 #include "solid-server/element/internal_force.hpp"
-#include "solid-server/load/surface_pressure.hpp"
-#include "solid-server/mesh/wetted_surface.hpp"
 
 namespace couplet::solid {
 
-/// Evaluated in two phases with a barrier between them: first every element and face writes its parts (write_parts,
-/// shared out among the members of a team), then any node can be asked (at).
+/// What a force depends on besides displacements.
+struct Moment {
+  double time = 0;           // [s]
+  double fraction = 0;       // of the coupling step
+  bool with_energy = false;  // strain energy is kept, and every law looks for inverted elements
+};
+
+/// Evaluated by a team in three phases with a barrier after each: write_surface_parts, sweep, visit_shared. The last
+/// two call visit(node, force) exactly once for each node; from then on nobody reads its displacement, so that it may
+/// be changed there.
 class NodalForce {
  public:
   NodalForce(const SolidMesh& mesh, const Material& material, int n_points, const WettedSurface& wetted,
-             const std::vector<PressureLoad>& pressures, const std::vector<RigidPlane>& planes);
+             const std::vector<PressureLoad>& pressures, const std::vector<RigidPlane>& planes, int n_members);
 
-  /// The interface load, (n wetted nodes, 3) [N], varies linearly from `start` at fraction 0 to `end` at fraction 1.
-  void set_interface_load(const surface::NodeArray& start, const surface::NodeArray& end);
+  void write_surface_parts(int member, const double* displacement, const Moment& moment) {
+    surface_.write(member, n_members_, displacement, moment.time, moment.fraction, surface_buffer());
+  }
 
-  /// On all nodes, (n_nodes, 4) [N].
-  NodeVectors interface_load_at_start() const;
+  /// An inverted element that is found is kept (inverted_element).
+  template <class Visit>
+  void sweep(int member, const double* displacement, const Moment& moment, const Visit& visit) {
+    const auto m = static_cast<std::size_t>(member);
+    for (Index c = plan_.first_chunk[m]; c < plan_.first_chunk[m + 1]; ++c) {
+      const SweepPlan::Chunk& chunk = plan_.chunks[static_cast<std::size_t>(c)];
+      compute(member, chunk, displacement, moment);
+      visit_nodes(chunk.first_visit, chunk.last_visit, visit);
+    }
+  }
 
-  struct Moment {
-    double time = 0;           // [s]
-    double fraction = 0;       // of the coupling step
-    bool with_energy = false;  // strain energy is kept, and every law looks for inverted elements
-  };
+  template <class Visit>
+  void visit_shared(int member, const Visit& visit) const {
+    const auto m = static_cast<std::size_t>(member);
+    visit_nodes(plan_.first_shared_visit[m], plan_.first_shared_visit[m + 1], visit);
+  }
 
-  /// The share of one member. A found inverted element is kept (inverted_element).
-  void write_parts(int member, int n_members, const double* displacement, const Moment& moment);
-
-  /// The force on a node [N]; x, y, z, 0.
-  [[gnu::always_inline]] NodeQuad at(Index node) const { return gather_.sum(node, &buffer_.data()->lane[0]); }
-
-  /// The same without interface load, pressures and contact, by one thread: (n_nodes, 4) [N].
-  NodeVectors internal_only(const NodeVectors& displacement) const;
+  /// The internal force alone, by one thread: (n_nodes, 4) [N].
+  NodeVectors internal_only(const NodeVectors& displacement);
+  /// All forces, by one thread: (n_nodes, 4) [N].
+  NodeVectors all(const NodeVectors& displacement, const Moment& moment);
 
   /// The first element found turned inside out since the last call of forget_inverted, or -1.
   Index inverted_element() const { return inverted_element_; }
@@ -46,32 +57,31 @@ class NodalForce {
 
   double strain_energy() const;                                // at the last moment with energy [J]
   double element_seconds() const { return element_seconds_; }  // that the first member has spent in internal_force [s]
-  const PlaneContact& contact() const { return contact_; }
+  SurfaceForce& surface() { return surface_; }
+  const PlaneContact& contact() const { return surface_.contact(); }
   std::size_t memory_bytes() const;
 
  private:
-  struct LoadedSurface {
-    FacePacks faces;
-    std::function<double(double)> pressure;
-    std::size_t first_pack = 0;  // of its parts in the buffer
-  };
-
+  template <class Visit>
+  void visit_nodes(Index first, Index last, const Visit& visit) const {
+    for (Index n = first; n < last; ++n)
+      visit(plan_.visit_node[static_cast<std::size_t>(n)], plan_.sum(n, &buffer_.data()->lane[0]));
+  }
+  StoredPack* surface_buffer() { return buffer_.data() + plan_.n_element_packs; }
+  void compute(int member, const SweepPlan::Chunk& chunk, const double* displacement, const Moment& moment);
+  NodeVectors collect(const NodeVectors& displacement, const Moment& moment);
   void note_inverted(Index element);
 
   Index n_nodes_;
+  int n_members_;
   Material material_;
   ElementPacks elements_;
-  std::vector<LoadedSurface> loads_;
-  PlaneContact contact_;
-  std::size_t contact_first_pack_ = 0, interface_first_pack_ = 0;
-  NodeVectors interface_start_, interface_change_;  // (n wetted nodes, 4) [N]
-  ForceGather gather_;
-  std::vector<StoredPack> buffer_;  // parts of forces [N]
+  SurfaceForce surface_;
+  SweepPlan plan_;
+  std::vector<StoredPack> buffer_;  // parts of forces [N]: of elements, then of the surface
   std::vector<StoredPack> energy_;  // of each element [J], (n element packs)
-  std::vector<char> was_touching_;
-  std::vector<Index> wetted_node_;
-  double element_seconds_ = 0;
   std::atomic<Index> inverted_element_{-1};
+  double element_seconds_ = 0;
 };
 
 }  // namespace couplet::solid

@@ -10,13 +10,18 @@ namespace couplet::solid {
 /// Node quantities inside the time loop: x, y, z and a zero, so that a node is one aligned load.
 using NodeVectors = Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor>;
 
-/// The last pack is filled up with copies of the last element, whose forces nobody reads.
+/// A layer of the mesh begins with a new pack; a pack that is not full is filled up with copies of its last element,
+/// whose forces nobody reads. Layers of the same shape share one geometry, which then stays in the cache of the
+/// processor.
 struct ElementPacks {
   int n_points = 0;
   Index n_elements = 0, n_packs = 0;
   std::vector<double> natural_gradient;  // dN_a/dxi_k at the points, (n_points, 20, 3)
+  std::vector<Index> lane_element;       // the element in each lane, -1 in a copy, (n_packs, 8)
   std::vector<Index> node_start;         // first entry of each node in a NodeVectors array, (n_packs, 20, 8 lanes)
-  std::vector<StoredPack> geometry;      // dxi_k/dX_J (k, J) [1/m] and volume [m^3], (n_packs, n_points, 10)
+  std::vector<Index> geometry_start;     // of each pack in `geometry`, (n_packs)
+  std::vector<StoredPack>
+      geometry;  // dxi_k/dX_J (k, J) [1/m] and volume [m^3], (packs of different shape, n_points, 10)
 };
 
 /// Throws SceneError naming the element when an element is folded at a quadrature point (its volume there is not above

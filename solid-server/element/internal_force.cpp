@@ -107,34 +107,29 @@ struct AnyPoints {
 template <class Points, bool with_energy, class Law>
 Index force_of_packs(const ElementPacks& packs, const Law& law, Index first, Index last, const double* displacement,
                      StoredPack* force, StoredPack* energy) {
-  const auto geometry_size = static_cast<std::size_t>(packs.n_points) * 10;
   Index first_unsound = -1;
   for (Index p = first; p < last; ++p) {
     NodePacks u, f;
     const Index* start = &packs.node_start[static_cast<std::size_t>(p) * hex20::n_nodes * n_lanes];
     for (int a = 0; a < hex20::n_nodes; ++a) load_nodes(displacement, start + a * n_lanes, u[a][0], u[a][1], u[a][2]);
 
-    const StoredPack* geometry = &packs.geometry[static_cast<std::size_t>(p) * geometry_size];
+    const StoredPack* geometry =
+        &packs.geometry[static_cast<std::size_t>(packs.geometry_start[static_cast<std::size_t>(p)])];
     const PackSum sum = Points::template force<with_energy>(packs, law, geometry, u, f);
 
-    StoredPack* out = force + static_cast<std::size_t>(p) * packs_per_element_pack;
+    StoredPack* out = force + static_cast<std::size_t>(p - first) * packs_per_element_pack;
     for (int a = 0; a < hex20::n_nodes; ++a) store_nodes(f[a][0], f[a][1], f[a][2], out + 4 * a);
     if constexpr (with_energy) store(sum.energy, energy[p]);
     if (first_unsound < 0 && !all_true(sum.is_sound)) [[unlikely]] {
       int lane = 0;
       while (sum.is_sound[lane] != 0) ++lane;
-      first_unsound = std::min(p * n_lanes + lane, packs.n_elements - 1);
+      first_unsound = packs.lane_element[static_cast<std::size_t>(p * n_lanes + lane)];
     }
   }
   return first_unsound;
 }
 
 }  // namespace
-
-Index element_force_start(Index element, int local_node) {
-  const Index pack = element / n_lanes, lane = element % n_lanes;
-  return (pack * packs_per_element_pack + 4 * local_node) * n_lanes + 4 * lane_place(lane);
-}
 
 Index internal_force(const ElementPacks& packs, const Material& material, Index first, Index last,
                      const double* displacement, StoredPack* force, StoredPack* energy) {

@@ -2,6 +2,7 @@
 // The internal force of eight hexahedra at once, total Lagrangian: the kernel in which a run spends its time.
 
 #include "solid-server/element/element_packs.hpp"
+#include "solid-server/element/lane_transpose.hpp"
 #include "solid-server/material/material.hpp"
 
 namespace couplet::solid {
@@ -9,14 +10,18 @@ namespace couplet::solid {
 /// Packs of force that one pack of elements writes: (20 nodes, 4).
 constexpr Index packs_per_element_pack = 4 * hex20::n_nodes;
 
-/// Start of the force (x, y, z, 0) on a local node of an element in the buffer, counted in doubles.
-Index element_force_start(Index element, int local_node);
+/// Start of the force (x, y, z, 0) on a local node of the element in a lane, counted in doubles from the place of its
+/// pack.
+constexpr Index force_start(int local_node, int lane) {
+  return 4 * local_node * n_lanes + 4 * lane_place(lane);
+}
 
 /// For the packs [first, last): minus the derivative of the strain energy by the displacement,
 ///   f_a = - sum over points of P(F) dN_a/dX dV,  F = I + sum_a u_a (x) dN_a/dX   [Belytschko, Liu, Moran 2000,
 ///   box 4.6],
-/// into `force` [N], where each element has its own place; adding up the elements of a node is force_gather's work.
-/// `displacement` is a NodeVectors array [m]. With `energy`, also the strain energy of each element [J], (n_packs).
+/// into `force` [N], where each pack has its own place, the first one at the start; adding up the elements of a node is
+/// assembly's work. `displacement` is a NodeVectors array [m]. With `energy`, also the strain energy of each element
+/// [J], (n_packs).
 ///
 /// Returns the first element that is turned inside out (J not above 0, or not a number), or -1. Without `energy` only
 /// laws that need J look at it.

@@ -28,8 +28,10 @@ using FaceNodes = std::array<Index, hex20::n_face_nodes>;
 struct SolidMesh {
   NodePositions node_position;                                  // (n_nodes, 3) [m]
   std::vector<std::array<Index, hex20::n_nodes>> element_node;  // order of hex20_topology.hpp
-  std::map<std::string, std::vector<ElementFace>> surface;      // named parts of the boundary
-  std::map<std::string, Index> marker;                          // named nodes
+  Index n_elements_per_layer =
+      0;  // layers of so many elements follow each other and are likely copies of the first; 0: none
+  std::map<std::string, std::vector<ElementFace>> surface;  // named parts of the boundary
+  std::map<std::string, Index> marker;                      // named nodes
 
   Index n_nodes() const { return static_cast<Index>(node_position.rows()); }
   Index n_elements() const { return static_cast<Index>(element_node.size()); }

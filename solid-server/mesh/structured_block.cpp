@@ -45,6 +45,7 @@ SolidMesh StructuredBlock::mesh(const std::function<Eigen::Vector3d(const HalfIn
           nodes[a] = node_at({2 * i + 1 + c[0], 2 * j + 1 + c[1], 2 * k + 1 + c[2]});
         }
       }
+  mesh.n_elements_per_layer = n_[0] * n_[1];
   return mesh;
 }
 

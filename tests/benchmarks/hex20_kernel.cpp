@@ -11,9 +11,8 @@
 #include <thread>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/assembly/force_gather.hpp"
+#include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/dynamics/work_team.hpp"
-#include "solid-server/element/internal_force.hpp"
 #include "solid-server/element/tangent.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
 
@@ -30,18 +29,16 @@ struct Row {
   double us_per_element = 0, relative_error = 0;
 };
 
-/// A cube and everything that one evaluation of its internal forces needs: packs, gather, result.
+/// A cube, its forces and a state that is anything but homogeneous.
 struct Body {
   SolidMesh mesh = make_box_mesh({Eigen::Vector3d::Ones(), {n_edge, n_edge, n_edge}});
   Material material;
-  ElementPacks packs;
-  ForceGather gather;
+  int n_points;
+  NodalForce forces;
   NodeVectors displacement, force;
-  std::vector<StoredPack> buffer;
 
-  Body(const Material& law, int n_points)
-      : material(law), packs(make_element_packs(mesh, n_points)), gather(mesh.n_nodes(), parts(mesh)) {
-    buffer.resize(static_cast<std::size_t>(packs.n_packs) * packs_per_element_pack);
+  Body(const Material& law, int points, int n_threads)
+      : material(law), n_points(points), forces(mesh, law, points, {}, {}, {}, n_threads) {
     force = displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
     for (Index n = 0; n < mesh.n_nodes(); ++n) {
       const Eigen::Vector3d X = mesh.node_position.row(n);
@@ -49,26 +46,13 @@ struct Body {
     }
   }
 
-  static std::vector<ForcePart> parts(const SolidMesh& mesh) {
-    std::vector<ForcePart> parts;
-    for (Index e = 0; e < mesh.n_elements(); ++e)
-      for (int a = 0; a < hex20::n_nodes; ++a)
-        parts.push_back(
-            {mesh.element_node[static_cast<std::size_t>(e)][static_cast<std::size_t>(a)], element_force_start(e, a)});
-    return parts;
-  }
-
-  /// Positions in, one force per node out.
+  /// Displacements in, one force per node out.
   void evaluate(WorkTeam& team) {
+    const auto keep = [&](Index node, const NodeQuad& sum) { std::memcpy(&force(node, 0), &sum, sizeof sum); };
     team.run([&](int member) {
-      const Share share = share_of(packs.n_packs, member, team.n_members());
-      internal_force(packs, material, share.first, share.last, displacement.data(), buffer.data(), nullptr);
+      forces.sweep(member, displacement.data(), {}, keep);
       team.barrier();
-      const Share nodes = share_of(mesh.n_nodes(), member, team.n_members());
-      for (Index n = nodes.first; n < nodes.last; ++n) {
-        const NodeQuad sum = gather.sum(n, &buffer.data()->lane[0]);
-        std::memcpy(&force(n, 0), &sum, sizeof sum);
-      }
+      forces.visit_shared(member, keep);
     });
   }
 
@@ -76,8 +60,8 @@ struct Body {
   double relative_error() const {
     Eigen::Matrix<double, Eigen::Dynamic, 3> plain = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(mesh.n_nodes(), 3);
     for (const auto& nodes : mesh.element_node) {
-      const ElementVectors f = element_force(material, at_element(mesh.node_position, nodes),
-                                             at_element(displacement, nodes), packs.n_points);
+      const ElementVectors f =
+          element_force(material, at_element(mesh.node_position, nodes), at_element(displacement, nodes), n_points);
       for (int a = 0; a < hex20::n_nodes; ++a) plain.row(nodes[static_cast<std::size_t>(a)]) += f.row(a);
     }
     return (plain - force.leftCols<3>()).cwiseAbs().maxCoeff() / plain.cwiseAbs().maxCoeff();
@@ -87,7 +71,7 @@ struct Body {
 /// The fastest of many evaluations: other programs on the machine can only slow one down.
 Row measure(const std::string& name, const Material& material, int n_points, int n_threads) {
   using Clock = std::chrono::steady_clock;
-  Body body(material, n_points);
+  Body body(material, n_points, n_threads);
   WorkTeam team(n_threads);
   double fastest = 1e9;
   const auto end = Clock::now() + std::chrono::duration<double>(seconds_each);

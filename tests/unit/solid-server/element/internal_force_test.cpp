@@ -6,7 +6,7 @@
 #include <random>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/assembly/force_gather.hpp"
+#include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
@@ -59,25 +59,10 @@ struct Forces {
 };
 
 Forces forces(const SolidMesh& mesh, const Material& material, int n_points, const NodeVectors& displacement) {
-  const ElementPacks packs = make_element_packs(mesh, n_points);
-  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs) * packs_per_element_pack);
-  std::vector<StoredPack> energy(static_cast<std::size_t>(packs.n_packs));
-  EXPECT_EQ(internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(), energy.data()), -1);
-  std::vector<ForcePart> parts;
-  Forces out;
-  for (Index e = 0; e < mesh.n_elements(); ++e) {
-    out.energy += energy[static_cast<std::size_t>(e / n_lanes)].lane[e % n_lanes];
-    for (int a = 0; a < hex20::n_nodes; ++a)
-      parts.push_back(
-          {mesh.element_node[static_cast<std::size_t>(e)][static_cast<std::size_t>(a)], element_force_start(e, a)});
-  }
-  const ForceGather gather(mesh.n_nodes(), parts);
-  out.at_node.resize(mesh.n_nodes(), 4);
-  for (Index n = 0; n < mesh.n_nodes(); ++n) {
-    const NodeQuad sum = gather.sum(n, &buffer.data()->lane[0]);
-    for (int i = 0; i < 4; ++i) out.at_node(n, i) = sum[i];
-  }
-  return out;
+  NodalForce body(mesh, material, n_points, {}, {}, {}, 1);
+  const NodeVectors at_node = body.all(displacement, {0, 0, true});
+  EXPECT_EQ(body.inverted_element(), -1);
+  return {at_node, body.strain_energy()};
 }
 
 NodeVectors homogeneous(const SolidMesh& mesh, const Eigen::Matrix3d& F) {

@@ -1,0 +1,51 @@
+#pragma once
+// What acts on the surface of a body: the interface load, prescribed pressures, rigid planes.
+
+#include "solid-server/assembly/force_part.hpp"
+#include "solid-server/contact/rigid_plane.hpp"
+#include "solid-server/load/surface_pressure.hpp"
+#include "solid-server/mesh/wetted_surface.hpp"
+
+namespace couplet::solid {
+
+class SurfaceForce {
+ public:
+  SurfaceForce(const SolidMesh& mesh, const WettedSurface& wetted, const std::vector<PressureLoad>& pressures,
+               const std::vector<RigidPlane>& planes);
+
+  /// The parts that write() fills; `start` is counted from the start of its buffer.
+  const std::vector<ForcePart>& parts() const { return parts_; }
+  std::size_t n_packs() const { return n_packs_; }  // size of the buffer
+  bool is_empty() const { return n_packs_ == 0; }
+
+  /// The interface load, (n wetted nodes, 3) [N], varies linearly from `start` at fraction 0 to `end` at fraction 1.
+  void set_interface_load(const surface::NodeArray& start, const surface::NodeArray& end);
+  /// At fraction 0, on all nodes, (n_nodes, 4) [N].
+  NodeVectors interface_load_at_start() const;
+
+  /// The share of one member of a team. `displacement` is a NodeVectors array [m].
+  void write(int member, int n_members, const double* displacement, double time, double fraction, StoredPack* buffer);
+
+  const PlaneContact& contact() const { return contact_; }
+
+ private:
+  struct LoadedSurface {
+    FacePacks faces;
+    std::function<double(double)> pressure;
+    std::size_t first_pack = 0;  // of its parts in the buffer
+  };
+
+  void add_parts(const std::vector<FaceNodes>& faces);
+
+  Index n_nodes_;
+  std::vector<LoadedSurface> loads_;
+  PlaneContact contact_;
+  std::size_t contact_first_pack_ = 0, interface_first_pack_ = 0;
+  std::vector<char> was_touching_;
+  std::vector<Index> wetted_node_;
+  NodeVectors interface_start_, interface_change_;  // (n wetted nodes, 4) [N]
+  std::vector<ForcePart> parts_;
+  std::size_t n_packs_ = 0;
+};
+
+}  // namespace couplet::solid
