@@ -1,5 +1,8 @@
 #include "proto/wire/message.hpp"
 
+#include <google/protobuf/stubs/logging.h>
+
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -33,7 +36,18 @@ void write_names(const surface::SurfaceMesh& mesh, v1::SurfaceNames* names) {
   }
 }
 
-void read_names(const v1::SurfaceNames& names, surface::SurfaceMesh* mesh) {
+// Names are printed, become columns of tables and keys of files.
+bool is_name(const std::string& text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c <= '~'; });
+}
+
+void read_names(const v1::SurfaceNames& names, surface::SurfaceMesh* mesh, const std::string& whose) {
+  const auto check = [&](const std::string& name) {
+    if (!is_name(name))
+      throw report::PeerError(whose, "a region or marker has no printable name", "use letters, digits, - and _");
+  };
+  std::for_each(names.region().begin(), names.region().end(), check);
+  for (const auto& marker : names.marker()) check(marker.name());
   mesh->region.assign(names.region().begin(), names.region().end());
   for (const auto& marker : names.marker()) mesh->marker[marker.name()] = marker.node();
 }
@@ -48,6 +62,7 @@ Frame header_frame(const Header& header) {
 template <class Header>
 Header decode_header(const Frames& message, const std::string& whose, const char* kind) {
   const std::string advice = "check that this address belongs to a program of Couplet, of the same version";
+  const google::protobuf::LogSilencer quiet;  // what is wrong is said once, below
   Header header;
   if (message.empty() || message.front().size() > frame_size_limit ||
       !header.ParseFromArray(message.front().data(), static_cast<int>(message.front().size())))
@@ -74,7 +89,7 @@ Arrays decode(const Headers& headers, const v1::SurfaceNames* names, const Frame
     const v1::ArrayHeader& header = headers[i];
     const Frame& frame = message[static_cast<std::size_t>(i) + 1];
     const std::string& name = header.name();
-    if (name.empty()) refuse("array " + std::to_string(i + 1) + " has no name");
+    if (!is_name(name)) refuse("array " + std::to_string(i + 1) + " has no printable name");
     if (!seen.insert(name).second) refuse("array '" + name + "' comes twice");
     if (name == "node_position") {
       mesh.node_position = unpack_node_array(header, frame, whose);
@@ -92,7 +107,7 @@ Arrays decode(const Headers& headers, const v1::SurfaceNames* names, const Frame
   if (n_surface_arrays == 0) return arrays;
   if (names == nullptr) refuse("a surface comes with a message that has none");
   if (seen.count("node_position") == 0) refuse("a surface comes without node_position");
-  read_names(*names, &mesh);
+  read_names(*names, &mesh, whose);
   arrays.surface = std::move(mesh);
   return arrays;
 }

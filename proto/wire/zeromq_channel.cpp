@@ -86,7 +86,10 @@ class ZeromqChannel : public Channel {
       }
       const auto now = Clock::now();
       if (now >= deadline) return std::nullopt;
-      if (!watch_.has_followed() && now >= connect_deadline_) throw never_came();
+      if (!watch_.has_followed() && now >= connect_deadline_) {
+        socket_.set(zmq::sockopt::linger, 0);
+        throw never_came();
+      }
     }
   }
 

@@ -97,7 +97,7 @@ TEST_P(ZeromqPeer, ThatComputesForLongerThanTheHeartbeatIsAlive) {
   const auto coupler = connect_zeromq(server.address(), options);
   coupler->send(message_of("there?"));
   EXPECT_EQ(receive_text(*coupler), "here");
-  EXPECT_FALSE(coupler->receive(deadline_in(2)).has_value());
+  EXPECT_FALSE(coupler->receive(deadline_in(1)).has_value());
 }
 
 INSTANTIATE_TEST_SUITE_P(Transports, ZeromqPeer, testing::Values("tcp://127.0.0.1:*", "ipc://*"),
