@@ -11,10 +11,12 @@
 
 namespace couplet::launcher {
 
-/// A piece of output. An update is overwritten by what follows (it ended with a carriage return).
+/// A piece of output. An update is written over by the next one (it began or ended with a carriage return); the last of
+/// them ends its line.
 struct OutputLine {
   std::string text;
   bool is_update = false;
+  bool ends_line = true;
 };
 
 /// Cuts a stream of bytes into lines and updates.
@@ -26,7 +28,8 @@ class OutputSplitter {
 
  private:
   std::string pending_;
-  bool after_return_ = false;  // a carriage return was seen: with a newline next it is an end of line, else an update
+  bool after_return_ = false;  // the last byte was a carriage return: with a newline next it is an end of line
+  bool is_update_ = false;     // what is pending began behind a carriage return
 };
 
 /// How a process ended: by itself with a code, or by a signal.

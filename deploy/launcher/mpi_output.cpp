@@ -13,6 +13,12 @@ std::string take_mpi_tag(std::string& line) {
   return speaker;
 }
 
+std::string take_mpi_tags(std::string& update) {
+  static const std::regex tag(R"(\[\d+,\d+\]<std(?:out|err|diag)>:)");
+  update = std::regex_replace(update, tag, "");
+  return "rank 0";
+}
+
 bool is_last_word(const std::string& line) {
   static const std::regex beginning("^(coupler|flow-server|solid-server|couplet): ");
   return std::regex_search(line, beginning);

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "deploy/launcher/child_process.hpp"
 
 namespace couplet::launcher {
@@ -7,13 +9,11 @@ std::vector<OutputLine> OutputSplitter::add(const char* bytes, std::size_t n_byt
   for (std::size_t i = 0; i < n_bytes; ++i) {
     const char byte = bytes[i];
     if (byte == '\n') {
-      lines.push_back({std::move(pending_), false});
-      pending_.clear();
+      lines.push_back({std::exchange(pending_, {}), is_update_, true});
+      is_update_ = false;
     } else {
-      if (after_return_ && !pending_.empty()) {
-        lines.push_back({std::move(pending_), true});
-        pending_.clear();
-      }
+      if (after_return_ && !pending_.empty()) lines.push_back({std::exchange(pending_, {}), true, false});
+      is_update_ = is_update_ || after_return_;
       if (byte != '\r') pending_ += byte;
     }
     after_return_ = byte == '\r';
@@ -23,7 +23,7 @@ std::vector<OutputLine> OutputSplitter::add(const char* bytes, std::size_t n_byt
 
 std::vector<OutputLine> OutputSplitter::finish() {
   if (pending_.empty()) return {};
-  return {{std::exchange(pending_, {}), after_return_}};
+  return {{std::exchange(pending_, {}), is_update_ || after_return_, true}};
 }
 
 }  // namespace couplet::launcher

@@ -21,10 +21,10 @@ class RunConsole {
   void show(const std::string& line);
   /// A line that the next one overwrites; without a terminal one every ten seconds.
   void update(const std::string& line);
-
- private:
+  /// The last update stays.
   void end_update();
 
+ private:
   std::ofstream log_;
   bool quiet_, is_terminal_;
   std::size_t open_update_ = 0;  // characters of the update on the terminal

@@ -34,7 +34,9 @@ void Supervisor::start_server(const ProgramStart& start) {
 }
 
 void Supervisor::start_leader(const ProgramStart& start) {
-  const bool as_terminal = console_.shows_terminal() && start.name != "mpirun";  // mpirun gives terminals itself
+  // Behind mpirun there are pipes: there the coupler is told that somebody watches.
+  const bool as_terminal = console_.shows_terminal() && start.name != "mpirun";
+  if (console_.shows_terminal() && start.name == "mpirun") setenv("COUPLET_PROGRESS_UPDATES", "1", 1);
   programs_.push_back({start.name, ChildProcess(start, {as_terminal, as_terminal}), true, {}, {}});
 }
 
@@ -113,10 +115,11 @@ void Supervisor::read_lines(Program& program) {
 
 void Supervisor::hear(Program& program, OutputLine line, bool is_error) {
   std::string speaker = program.name;
-  if (speaker == "mpirun") speaker = take_mpi_tag(line.text);
+  if (speaker == "mpirun") speaker = line.is_update ? take_mpi_tags(line.text) : take_mpi_tag(line.text);
   const bool is_for_user = program.is_leader && (speaker == program.name || speaker == "rank 0");
   if (line.is_update) {
-    if (is_for_user) console_.update(line.text);
+    if (is_for_user && !line.text.empty()) console_.update(line.text);
+    if (is_for_user && line.ends_line) console_.end_update();
     return;
   }
   if (line.text.empty()) return;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 namespace couplet::report {
 
@@ -61,7 +62,10 @@ std::string progress_text(const ProgressState& state) {
 }
 
 Progress::Progress(double start_time, double end_time, bool quiet)
-    : quiet_(quiet), is_terminal_(isatty(STDERR_FILENO) == 1), printed_at_(Clock::now()), printed_time_(start_time) {
+    : quiet_(quiet),
+      is_terminal_(isatty(STDERR_FILENO) == 1 || std::getenv("COUPLET_PROGRESS_UPDATES") != nullptr),
+      printed_at_(Clock::now()),
+      printed_time_(start_time) {
   state_.time = start_time;
   state_.end_time = end_time;
 }

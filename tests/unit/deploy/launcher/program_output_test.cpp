@@ -44,14 +44,22 @@ TEST(OutputSplitter, KnowsTheLineEndOfATerminal) {
 
 TEST(OutputSplitter, TellsUpdatesFromLinesThatStay) {
   const auto lines = split({"\rstep 1\rstep 2", "\rstep 3\ndone\n"});
-  EXPECT_THAT(texts(lines, true), ElementsAre("step 1", "step 2"));
-  EXPECT_THAT(texts(lines, false), ElementsAre("step 3", "done"));
+  EXPECT_THAT(texts(lines, true), ElementsAre("step 1", "step 2", "step 3"));
+  EXPECT_THAT(texts(lines, false), ElementsAre("done"));
+  EXPECT_FALSE(lines[1].ends_line);
+  EXPECT_TRUE(lines[2].ends_line);
 }
 
 TEST(MpiOutput, TakesTheTagOffAndSaysWhoSpoke) {
   std::string line = "[1,2]<stderr>:solid-server: element 7 is inverted";
   EXPECT_EQ(take_mpi_tag(line), "rank 2");
   EXPECT_EQ(line, "solid-server: element 7 is inverted");
+}
+
+TEST(MpiOutput, TakesTheTagsBetweenUpdatesOff) {
+  std::string update = "step 5  0.1 s[1,0]<stderr>:";
+  EXPECT_EQ(take_mpi_tags(update), "rank 0");
+  EXPECT_EQ(update, "step 5  0.1 s");
 }
 
 TEST(MpiOutput, ALineWithoutTagIsMpirunsOwn) {
