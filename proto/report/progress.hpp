@@ -1,6 +1,6 @@
 #pragma once
-// One updating line on a terminal; without a terminal a line now and then. Who reads a program's lines and shows them on a terminal
-// sets COUPLET_PROGRESS_UPDATES in its environment to get the updating line.
+// One updating line on a terminal; without a terminal a line now and then. Who reads a program's lines and shows them
+// on a terminal sets COUPLET_PROGRESS_UPDATES in its environment to get the updating line.
 
 #include <chrono>
 #include <cstdint>
