@@ -5,6 +5,11 @@
 
 namespace couplet::coupling {
 
+namespace {
+// Of the safe factor: with less the iteration stands still, and stays so because nothing new is learnt.
+constexpr double smallest_share = 0.1;
+}  // namespace
+
 Aitken::Aitken(InterfaceSize size, std::optional<double> first_relaxation)
     : size_(size), added_mass_(first_relaxation) {}
 
@@ -32,7 +37,9 @@ void Aitken::learn(const Eigen::VectorXd& input, const Eigen::VectorXd& residual
     added_mass_.learn((input - previous_input_).head(size_.n_primary), change);
     if (squared > 0) {
       const double factor = -factor_ * previous_residual_.head(size_.n_primary).dot(change) / squared;
-      if (std::isfinite(factor) && factor != 0) factor_ = std::clamp(factor, -1.0, 1.0);
+      const double safe = added_mass_.relaxation();
+      // A factor below zero leads away from the solution wherever the fluid opposes the motion.
+      factor_ = factor > 0 && std::isfinite(factor) ? std::clamp(factor, smallest_share * safe, 1.0) : safe;
     }
   }
   has_previous_ = true;

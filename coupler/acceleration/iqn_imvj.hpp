@@ -3,6 +3,7 @@
 
 #include <deque>
 #include <optional>
+#include <vector>
 
 #include "coupler/acceleration/acceleration.hpp"
 #include "coupler/acceleration/added_mass_estimate.hpp"
@@ -28,23 +29,27 @@ class IqnImvj : public Acceleration {
   void restore(const SavedState& state) override;
 
  private:
+  struct Differences {         // of one step, newest first
+    Eigen::MatrixXd input;     // X, all rows (n_total, n_columns)
+    Eigen::MatrixXd residual;  // V, all rows (n_total, n_columns)
+  };
   struct Update {
     Eigen::MatrixXd correction;  // A (n_total, n_columns)
     Eigen::MatrixXd dual;        // Z (n_primary, n_columns)
   };
 
   void learn(const Eigen::VectorXd& input, const Eigen::VectorXd& residual);
-  Eigen::VectorXd carried(const Eigen::VectorXd& residual) const;  // -K_before r
-  Update make_update();
+  Eigen::VectorXd carried(const Eigen::VectorXd& residual) const;  // -K r of the steps before
+  Update make_update(const Differences& step) const;
+  void forget_older_half();
 
   InterfaceSize size_;
   QuasiNewtonOptions options_;
   AddedMassEstimate added_mass_;
-  std::deque<Update> updates_;  // of earlier steps, oldest first
-  double relaxation_ = 0;       // omega of this step [1]
-  // Of this attempt, newest first:
-  Eigen::MatrixXd residual_differences_;  // V, primary rows (n_primary, n_columns)
-  Eigen::MatrixXd corrections_;           // X - K_before V, all rows (n_total, n_columns)
+  std::deque<Differences> steps_;  // oldest first
+  std::vector<Update> updates_;    // one for each of these steps
+  double relaxation_ = 0;          // omega of this step [1]
+  Differences attempt_;
   bool has_previous_ = false;
   Eigen::VectorXd previous_input_, previous_residual_;
 };

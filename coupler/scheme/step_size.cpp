@@ -16,9 +16,18 @@ bool StepSize::is_at_end() const {
 }
 
 double StepSize::next_time() const {
-  const double tick = std::ldexp(step_, -halvings_max_);
-  const double next = static_cast<double>(ticks_ + ticks_of_step()) * tick;
-  return next > end_ - sliver * std::ldexp(step_, -level_) ? end_ : next;
+  return is_last() ? end_ : static_cast<double>(ticks_ + ticks_of_step()) * std::ldexp(step_, -halvings_max_);
+}
+
+// A whole step has the same bits every time, wherever it starts; the last one may be shorter.
+double StepSize::duration() const {
+  const double whole = std::ldexp(step_, -level_), rest = end_ - time_;
+  return is_last() && std::abs(rest - whole) > sliver * whole ? rest : whole;
+}
+
+bool StepSize::is_last() const {
+  const double next = static_cast<double>(ticks_ + ticks_of_step()) * std::ldexp(step_, -halvings_max_);
+  return next > end_ - sliver * std::ldexp(step_, -level_);
 }
 
 void StepSize::accept(bool was_easy) {

@@ -18,7 +18,7 @@ class StepSize {
   bool is_at_end() const;
   double time() const { return time_; }  // of the accepted state [s]
   double next_time() const;              // after the next step [s]; never beyond the end
-  double duration() const { return next_time() - time_; }
+  double duration() const;               // of the next step [s]
 
   /// The next step has been accepted; after enough easy ones in a row the step doubles where that lands on a multiple.
   void accept(bool was_easy);
@@ -32,6 +32,7 @@ class StepSize {
   void restore(const SavedState& state);
 
  private:
+  bool is_last() const;
   std::int64_t ticks_of_step() const { return std::int64_t{1} << (halvings_max_ - level_); }
 
   double end_, step_;  // [s]
