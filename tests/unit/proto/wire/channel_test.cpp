@@ -1,5 +1,7 @@
 // Memory and ZeroMQ channels: the conformance suite, with both ends in threads of this process.
 
+#include <unistd.h>
+
 #include <exception>
 #include <thread>
 
@@ -57,7 +59,7 @@ ChannelKind zeromq(const std::string& name, const std::string& address) {
 INSTANTIATE_TEST_SUITE_P(Channels, ChannelConformance,
                          testing::Values(memory(), zeromq("zeromq_tcp", "tcp://127.0.0.1:*"),
                                          zeromq("zeromq_ipc", "ipc://*"),
-                                         zeromq("zeromq_ipc_abstract", "ipc://@couplet-channel-test")),
+                                         zeromq("zeromq_ipc_abstract", "ipc://@couplet-" + std::to_string(getpid()))),
                          [](const auto& kind) { return kind.param.name; });
 
 }  // namespace

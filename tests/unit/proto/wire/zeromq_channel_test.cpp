@@ -129,10 +129,11 @@ TEST(ZeromqChannel, ACouplerWhomNobodyAnswersGivesUpAtItsDeadline) {
 }
 
 TEST(ZeromqChannel, AServerMayAppearAfterTheCoupler) {
-  const auto coupler = connect_zeromq("ipc://@couplet-late-server", {});
+  const std::string address = "ipc://@couplet-late-server-" + std::to_string(getpid());
+  const auto coupler = connect_zeromq(address, {});
   coupler->send(message_of("hello"));
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  const auto server = listen_zeromq("ipc://@couplet-late-server", {});
+  const auto server = listen_zeromq(address, {});
   EXPECT_EQ(receive_text(*server), "hello");
 }
 
