@@ -55,7 +55,7 @@ class GlottisModel : public FlowModel {
   EndPressures pressures_at(double t) const;
   const SectionProfile& channel_at(double t, const surface::NodeArray& displacement);
   void find_force(const GlottalSolution& solution, const EndPressures& pressures);
-  void refuse_unbelievable() const;
+  void refuse_unbelievable() const;  // a fold that has been destroyed; a prescribed channel is always believed
   [[noreturn]] void report_divergence(const std::string& what) const;
 
   GlottisOptions options_;

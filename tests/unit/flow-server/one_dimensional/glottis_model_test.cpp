@@ -43,15 +43,16 @@ FoldOptions fold(double share) {
   return options;
 }
 
-/// A motion that opens and tilts the glottis, symmetric to mid length.
+/// A motion from rest that opens and tilts the glottis, symmetric to mid length.
 surface::FieldSet motion_of(const surface::SurfaceMesh& mesh, double t) {
   surface::NodeArray u = surface::NodeArray::Zero(mesh.n_nodes(), 3);
   for (std::int64_t i = 0; i < mesh.n_nodes(); ++i) {
     const double x = mesh.node_position(i, 0), y = mesh.node_position(i, 1), z = mesh.node_position(i, 2);
     const double shape = y * y / 1e-4 * std::sin(pi * z / 0.02);
     u(i, 0) = 4e-4 * shape * std::sin(2 * pi * 140 * t);
-    u(i, 1) = -2e-4 * shape * (1 + std::cos(2 * pi * 140 * t + 200 * (x - 0.01)));
-    u(i, 2) = 1e-4 * shape * std::sin(2 * pi * z / 0.02);
+    const double phase = 200 * (x - 0.01);
+    u(i, 1) = -2e-4 * shape * (std::cos(phase) - std::cos(2 * pi * 140 * t + phase));
+    u(i, 2) = 1e-4 * shape * std::sin(2 * pi * z / 0.02) * std::sin(2 * pi * 140 * t);
   }
   return {{"displacement", "m", u}};
 }
