@@ -51,8 +51,10 @@ AcceptedStep TimeLoop::accept(StepOutcome outcome) {
   accepted.duration = step_size_.duration();
   accepted.time = step_size_.next_time();
   accepted.iterations = outcome.iterations;
-  accepted.flow_quantities = flow_.accept_step(step_);
-  accepted.solid_quantities = solid_.accept_step(step_);
+  flow_.start_accept(step_);
+  solid_.start_accept(step_);
+  accepted.flow_quantities = flow_.finish_accept();
+  accepted.solid_quantities = solid_.finish_accept();
   scheme_->accept(outcome, accepted.time);
   step_size_.accept(outcome.iterations <= easy_iterations_);
   accepted.changes = std::move(outcome.changes);

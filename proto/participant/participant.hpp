@@ -73,6 +73,10 @@ class Participant {
   /// time.
   virtual std::vector<NamedNumber> accept_step(std::int64_t step) = 0;
 
+  /// accept_step in two halves, likewise.
+  virtual void start_accept(std::int64_t step) { accepted_ = accept_step(step); }
+  virtual std::vector<NamedNumber> finish_accept() { return std::move(accepted_); }
+
   /// Writes the accepted state so that open(resume_from = path) continues with equal bits. Returns the bytes written.
   virtual std::uint64_t write_checkpoint(const std::string& path) = 0;
 
@@ -81,6 +85,7 @@ class Participant {
 
  private:
   StepSolved started_;
+  std::vector<NamedNumber> accepted_;
 };
 
 }  // namespace couplet::participant

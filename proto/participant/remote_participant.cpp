@@ -223,9 +223,18 @@ StepSolved RemoteParticipant::finish_step() {
 }
 
 std::vector<NamedNumber> RemoteParticipant::accept_step(std::int64_t step) {
+  start_accept(step);
+  return finish_accept();
+}
+
+void RemoteParticipant::start_accept(std::int64_t step) {
   v1::Request message;
   message.mutable_accept_step()->set_step(step);
-  return read(session_->call(std::move(message), v1::Reply::kStepAccepted).first.step_accepted().quantity());
+  session_->send(std::move(message), {}, nullptr);
+}
+
+std::vector<NamedNumber> RemoteParticipant::finish_accept() {
+  return read(session_->await(v1::Reply::kStepAccepted).first.step_accepted().quantity());
 }
 
 std::uint64_t RemoteParticipant::write_checkpoint(const std::string& path) {

@@ -20,7 +20,8 @@ struct RemoteOptions {
 
 /// Sends each call as a request, waits for its reply. Failure replies are thrown as the report::Failure they describe;
 /// PeerError when the other end is lost, is late, or does not keep to the protocol.
-/// start_step and finish_step split solve_step, so that two participants can work at the same time. A session that was
+/// start_step and finish_step split solve_step (and their likes accept_step), so that two participants can work at the
+/// same time. A session that was
 /// not closed is closed by the destructor as well as it can be, so that the server ends orderly when the coupler fails.
 class RemoteParticipant : public Participant {
  public:
@@ -32,6 +33,8 @@ class RemoteParticipant : public Participant {
   void start_step(const StepInterval& interval, const surface::FieldSet& fields) override;
   StepSolved finish_step() override;
   std::vector<NamedNumber> accept_step(std::int64_t step) override;
+  void start_accept(std::int64_t step) override;
+  std::vector<NamedNumber> finish_accept() override;
   std::uint64_t write_checkpoint(const std::string& path) override;
   std::vector<NamedNumber> close(const std::string& reason) override;
 

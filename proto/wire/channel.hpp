@@ -35,9 +35,9 @@ inline Deadline deadline_in(double seconds) {
 inline constexpr std::size_t frame_count_limit = 4096;
 inline constexpr std::size_t frame_size_limit = std::size_t{1} << 30;  // [bytes], 44 million nodes with 3 components
 
-/// The two ends are alike. A channel never spins on a core that a solver needs: waiting sleeps.
-/// send and receive throw PeerError when the other end is known to be lost (closed, killed, frozen beyond the
-/// heartbeat); messages that arrived before are still received first.
+/// The two ends are alike. Waiting gives way to whoever has work, and sleeps when it takes long: a channel never spins
+/// on a core that a solver needs. send and receive throw PeerError when the other end is known to be lost (closed,
+/// killed, frozen beyond the heartbeat); messages that arrived before are still received first.
 class Channel {
  public:
   virtual ~Channel() = default;

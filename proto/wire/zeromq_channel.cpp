@@ -8,6 +8,7 @@
 #include <zmq.hpp>
 
 #include "proto/report/failure.hpp"
+#include "proto/wire/back_off.hpp"
 #include "proto/wire/connection_watch.hpp"
 #include "proto/wire/keep_memory.hpp"
 #include "proto/wire/zeromq_address.hpp"
@@ -77,6 +78,9 @@ class ZeromqChannel : public Channel {
   }
 
   std::optional<Frames> receive(Deadline deadline) override {
+    for (BackOff back_off; back_off.is_brisk() && Clock::now() < deadline; back_off.pause()) {
+      if (auto message = take_message(zmq::recv_flags::dontwait)) return message;
+    }
     while (true) {
       if (auto message = take_message(std::min(deadline, Clock::now() + glance))) return message;
       if (is_lost()) {
@@ -140,8 +144,12 @@ class ZeromqChannel : public Channel {
   std::optional<Frames> take_message(Deadline until) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now());
     set_timeout(std::max(0, static_cast<int>(left.count())));
+    return take_message(zmq::recv_flags::none);
+  }
+
+  std::optional<Frames> take_message(zmq::recv_flags flags) {
     Parts parts;
-    while (take_parts(parts)) {
+    while (take_parts(parts, flags)) {
       if (!open_envelope(parts)) continue;
       Frames message;
       for (zmq::message_t& part : parts) message.push_back(make_frame(std::move(part)));
@@ -151,12 +159,12 @@ class ZeromqChannel : public Channel {
   }
 
   // ZeroMQ delivers all parts of a message at once or none.
-  bool take_parts(Parts& parts) {
+  bool take_parts(Parts& parts, zmq::recv_flags flags) {
     parts.clear();
     bool more = true;
     while (more) {
       zmq::message_t part;
-      if (!take_part(part)) {
+      if (!take_part(part, flags)) {
         if (parts.empty()) return false;
         continue;
       }
@@ -166,9 +174,9 @@ class ZeromqChannel : public Channel {
     return true;
   }
 
-  bool take_part(zmq::message_t& part) {
+  bool take_part(zmq::message_t& part, zmq::recv_flags flags) {
     try {
-      return socket_.recv(part, zmq::recv_flags::none).has_value();
+      return socket_.recv(part, flags).has_value();
     } catch (const zmq::error_t& error) {
       if (error.num() == EINTR) return false;
       throw;
