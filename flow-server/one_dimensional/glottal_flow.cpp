@@ -143,11 +143,12 @@ void GlottalFlow::find_drops(const SectionProfile& profile, const BackwardDiffer
     drops_.lower[k] = rho * (half * rate.now + mesh);
     drops_.upper[k] = rho * (half * rate.now - mesh);
     drops_.rest[k] = rho * half * (old_rate(k) + old_rate(k + 1));
-    // chi = 1 where the section converges, chi_min where it diverges. Asking each interval, and not on which side of
-    // the smallest section it lies, keeps the pressure a continuous function of the shape when the throat jumps.
-    const bool converges = trial_.effective_area[k + 1] < trial_.effective_area[k];
-    drops_.recovery[k] = converges ? 1.0 : law_.smallest_recovery;
-    if (converges || !law_.friction_only_where_converging) {
+    // chi = 1 up to the smallest section, chi_min after it. When the throat jumps to an equally narrow place, flow and
+    // pressure elsewhere are continuous; between the two places the pressure jumps by (1 - chi_min) rho (u^2 - u_k^2)
+    // / 2.
+    const bool is_before_throat = k < trial_.throat;
+    drops_.recovery[k] = is_before_throat ? 1.0 : law_.smallest_recovery;
+    if (is_before_throat || !law_.friction_only_where_converging) {
       drops_.lower[k] += half * friction_[k];
       drops_.upper[k] += half * friction_[k + 1];
     }

@@ -22,8 +22,8 @@ struct GlottalLaw {
   double density = 0;                           // rho [kg/m^3]
   double viscosity = 0;                         // mu [Pa s]
   double friction_coefficient = 0;              // C0 [1]
-  bool friction_only_where_converging = false;  // no friction where the effective area grows downstream
-  double smallest_recovery = 1;                 // chi_min, where the effective area grows downstream [1]
+  bool friction_only_where_converging = false;  // no friction after the smallest section
+  double smallest_recovery = 1;                 // chi_min, after the smallest section [1]
   double entrance_contraction = 0;              // C1 [1]
   bool unsteady = true;                         // keep dA/dt, du/dt and the motion of the stations
   TimeDerivative time_derivative = TimeDerivative::backward_euler;

@@ -17,7 +17,7 @@ constexpr double overlap = 1e-10;
 }  // namespace
 
 GlottalSection::GlottalSection(const FoldSurface& surface, const StationAxis& axis, const GapRule& rule, double exit)
-    : surface_(&surface), axis_(&axis), rule_(rule) {
+    : surface_(&surface), axis_(&axis), rule_(rule), n_lines_(2 * rule.n_strips) {
   const NodePositions& reference = surface.reference();
   if (!(reference.y.maxCoeff() < rule.midplane)) {
     std::ostringstream found;
@@ -30,17 +30,21 @@ GlottalSection::GlottalSection(const FoldSurface& surface, const StationAxis& ax
   inlet_ = reference.x.minCoeff(&most_upstream);
   wall_ = reference.y[most_upstream];
   const auto n_rows = static_cast<Eigen::Index>(surface.rows().size());
-  highest_.resize(axis.n_stations(), 2 * n_rows);
-  weight_.resize(2 * n_rows);
+  highest_.resize(axis.n_stations(), n_lines_ * n_rows);
+  weight_.resize(n_lines_ * n_rows);
   for (Eigen::Index row = 0; row < n_rows; ++row) {
     const FaceRow& r = surface.rows()[static_cast<std::size_t>(row)];
-    weight_.segment<2>(2 * row) = 0.5 * (r.z_high - r.z_low) * (rule.half_length ? 2 : 1);
+    weight_.segment(n_lines_ * row, n_lines_) =
+        (r.z_high - r.z_low) / static_cast<double>(n_lines_) * (rule.half_length ? 2 : 1);
   }
   length_ = weight_.sum();
-  for (std::size_t line = 0; line < 2; ++line) {
-    const double s = (line == 0 ? -1 : 1) / std::sqrt(3.0);
-    for (std::size_t q = 0; q <= n_pieces; ++q)
-      shape_[line][q] = quadratic_face_point(-1 + 2.0 * static_cast<double>(q) / n_pieces, s).value;
+  for (int strip = 0; strip < rule.n_strips; ++strip) {
+    for (const double gauss_point : {-1 / std::sqrt(3.0), 1 / std::sqrt(3.0)}) {
+      const double s = -1 + (2 * strip + 1 + gauss_point) / rule.n_strips;
+      auto& shape = shape_.emplace_back();
+      for (std::size_t q = 0; q <= n_pieces; ++q)
+        shape[q] = quadratic_face_point(-1 + 2.0 * static_cast<double>(q) / n_pieces, s).value;
+    }
   }
   highest_.setConstant(nowhere);
   draw_lines(reference, exit);
@@ -51,7 +55,7 @@ void GlottalSection::refuse_holes() const {
   for (Eigen::Index line = 0; line < highest_.cols(); ++line) {
     for (Eigen::Index k = 0; k < highest_.rows(); ++k) {
       if (highest_(k, line) != nowhere) continue;
-      const FaceRow& row = surface_->rows()[static_cast<std::size_t>(line / 2)];
+      const FaceRow& row = surface_->rows()[static_cast<std::size_t>(line / n_lines_)];
       std::ostringstream found;
       found << "it has a hole between z = " << row.z_low << " and " << row.z_high << " m, at "
             << 100 * axis_->fraction()[k] << " % of the way from its upstream end to the exit line";
@@ -82,7 +86,7 @@ void GlottalSection::draw_lines(const NodePositions& moved, double exit) {
         node_y[i][lane] = moved.y[node];
       }
     }
-    for (std::size_t line = 0; line < 2; ++line) {
+    for (std::size_t line = 0; line < shape_.size(); ++line) {
       Points xi, y;
       for (std::size_t q = 0; q <= n_pieces; ++q) {
         xi[q] = shape_[line][q][0] * node_xi[0];
@@ -93,7 +97,8 @@ void GlottalSection::draw_lines(const NodePositions& moved, double exit) {
         }
       }
       for (int lane = 0; lane < batch.n_faces; ++lane) {
-        draw_face(xi, y, lane, highest_.col(2 * batch.row[static_cast<std::size_t>(lane)] + static_cast<int>(line)));
+        draw_face(xi, y, lane,
+                  highest_.col(n_lines_ * batch.row[static_cast<std::size_t>(lane)] + static_cast<int>(line)));
       }
     }
   }

@@ -13,12 +13,13 @@ struct GapRule {
   double midplane = 0;       // y of the plane midway between the two folds [m]
   double smallest_gap = 0;   // counted where the folds are closer than this [m]
   bool half_length = false;  // the surface is half of the fold along z
+  int n_strips = 4;          // into which a row of faces is cut along z
 };
 
-/// The gap is measured along lines of material, two at the Gauss points of each row of faces; each line is a polyline
-/// with four pieces a face. At a station it reaches as far as its highest piece there; the other fold is its mirror
-/// image: gap = 2 (midplane - y), A0 = integral of the gap over z. Where no piece stands above a station the wall is
-/// seen, at the y of the most upstream node.
+/// The gap is measured along lines of material, two at the Gauss points of each strip of a row of faces; each line is a
+/// polyline with four pieces a face. At a station it reaches as far as its highest piece there; the other fold is its
+/// mirror image: gap = 2 (midplane - y), A0 = integral of the gap over z. Where no piece stands above a station the
+/// wall is seen, at the y of the most upstream node.
 class GlottalSection {
  public:
   /// Throws PeerError when the reference surface reaches the midplane or leaves a hole between its upstream end and x =
@@ -43,12 +44,12 @@ class GlottalSection {
   const FoldSurface* surface_;
   const StationAxis* axis_;
   GapRule rule_;
-  double inlet_ = 0;   // [m]
-  double wall_ = 0;    // y of the wall [m]
-  double length_ = 0;  // [m]
-  std::array<std::array<std::array<double, 8>, n_pieces + 1>, 2>
-      shape_;                // N_i at the points of the two lines of a face
-  Eigen::ArrayXXd highest_;  // (n_stations, n_lines): y that each line reaches [m]; lines 2 row, 2 row + 1
+  double inlet_ = 0;                                                    // [m]
+  double wall_ = 0;                                                     // y of the wall [m]
+  double length_ = 0;                                                   // [m]
+  std::vector<std::array<std::array<double, 8>, n_pieces + 1>> shape_;  // N_i at the points of the lines of a face
+  Eigen::Index n_lines_;                                                // of a row
+  Eigen::ArrayXXd highest_;  // (n_stations, n_lines of all rows): y that each line reaches [m]
   Eigen::ArrayXd weight_;    // (n_lines): length along z that a line stands for [m]
 };
 

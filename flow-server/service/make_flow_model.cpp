@@ -73,7 +73,7 @@ FoldOptions make_fold(const v1::Glottis& glottis, const surface::SurfaceMesh& me
   }
   FoldOptions fold;
   fold.surface = mesh;
-  fold.gap = {glottis.midplane(), glottis.smallest_gap(), glottis.half_length()};
+  fold.gap = {glottis.midplane(), glottis.smallest_gap(), glottis.half_length(), glottis.strips_per_element()};
   fold.lines.exit_node = find_material_point(glottis.exit_line(), mesh, "flow.glottis.exit_line");
   if (glottis.model() == v1::Glottis::M2) {
     if (!glottis.has_entrance_start()) {

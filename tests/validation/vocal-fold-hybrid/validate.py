@@ -94,7 +94,12 @@ def measure(case, folder, code):
     if case.kind == "growth":
         return growth(read_history(folder), int(case.name[-1]))
     summary = json.loads((folder / "summary.json").read_text())
-    return {name: (q["value"], q["unit"], q.get("spread") or 0.0) for name, q in summary["quantities"].items() if q["value"] is not None}
+    numbers = {name: (q["value"], q["unit"], q.get("spread") or 0.0) for name, q in summary["quantities"].items() if q["value"] is not None}
+    # The dissertation's d is the largest opening; `amplitude` is the mean of the openings of all cycles.
+    history = read_history(folder)
+    inside = history["time"] > history["time"][-1] - case.window
+    numbers["largest_opening"] = (-history["exit.y"][inside].min(), "m", numbers["amplitude"][2] if "amplitude" in numbers else 0.0)
+    return numbers
 
 
 def rows_of(case, folder, code):
