@@ -9,14 +9,14 @@ packages=(
   # to build
   g++ cmake ninja-build git pkg-config
   # libraries
-  libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libeigen3-dev libspectra-dev libsuitesparse-dev libnanoflann-dev
-  cppzmq-dev libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libmuparser-dev libspdlog-dev
+  libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libeigen3-dev
+  cppzmq-dev libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libmuparser-dev
   # reports, studies and validation cases
   python3 python3-numpy python3-matplotlib python3-h5py python3-meshio
   # programs of one's own that take part in a run
   python3-zmq python3-protobuf
   # tests and checks
-  libgtest-dev libgmock-dev libbenchmark-dev clang-format hdf5-tools
+  libgtest-dev libgmock-dev clang-format hdf5-tools
 )
 
 fail() { printf 'setup: %s\n' "$*" >&2; exit 1; }
