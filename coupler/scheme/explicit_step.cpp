@@ -58,11 +58,15 @@ std::string ExplicitStep::advice() const {
 void ExplicitStep::save(SavedState& state) const {
   motion_predictor_->save(state, "motion");
   state["load"] = load_;
+  state["motion.levels"] = to_array(motion_guard_.largest_changes());
+  state["load.levels"] = to_array(load_guard_.largest_changes());
 }
 
 void ExplicitStep::restore(const SavedState& state) {
   motion_predictor_->restore(state, "motion");
   load_ = state.at("load");
+  motion_guard_.set_largest_changes(to_numbers(state.at("motion.levels")));
+  load_guard_.set_largest_changes(to_numbers(state.at("load.levels")));
 }
 
 }  // namespace couplet::coupling

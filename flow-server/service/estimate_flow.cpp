@@ -17,14 +17,15 @@ constexpr double bytes_of_program = 30e6;
 
 std::vector<participant::NamedNumber> estimate_flow(const participant::OpenRequest& request) {
   if (!request.scene.flow().has_glottis()) throw report::SceneError("flow", "it names no model", "add flow.glottis");
-  const double n_stations = request.scene.flow().glottis().stations();
-  const double n_strips = request.scene.flow().glottis().strips_per_element();
-  const double n_faces = request.peer_surface ? static_cast<double>(request.peer_surface->n_faces()) : 0;
+  const v1::Glottis& glottis = request.scene.flow().glottis();
+  const double n_stations = glottis.stations();
   std::vector<participant::NamedNumber> numbers{{"stations", n_stations, "1"}};
+  if (!request.peer_surface && !glottis.has_channel()) return numbers;  // faces, which cost most, are not known yet
+
+  const double n_faces = request.peer_surface ? static_cast<double>(request.peer_surface->n_faces()) : 0;
   if (request.peer_surface) numbers.push_back({"faces", n_faces, "1"});
-  numbers.push_back({"seconds_per_solve",
-                     seconds_per_station * n_stations + (seconds_per_face + seconds_per_strip * n_strips) * n_faces,
-                     "s"});
+  const double seconds_per_face_now = seconds_per_face + seconds_per_strip * glottis.strips_per_element();
+  numbers.push_back({"seconds_per_solve", seconds_per_station * n_stations + seconds_per_face_now * n_faces, "s"});
   numbers.push_back(
       {"memory_bytes", bytes_of_program + bytes_per_station * n_stations + bytes_per_face * n_faces, "1"});
   return numbers;

@@ -7,7 +7,8 @@
 
 namespace couplet::flow {
 
-/// stations [1], faces [1] when the surface is known, seconds_per_solve [s], memory_bytes [1]. Throws SceneError.
+/// stations [1]; when the surface is known faces [1]; then, or when there is none, seconds_per_solve [s] and
+/// memory_bytes [1]. Throws SceneError.
 std::vector<participant::NamedNumber> estimate_flow(const participant::OpenRequest& request);
 
 }  // namespace couplet::flow

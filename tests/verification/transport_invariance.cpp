@@ -44,7 +44,7 @@ class TransportInvariance : public testing::Test {
 
   /// The three programs, started by the launcher.
   std::string with_programs(const std::string& name, const std::string& arguments) const {
-    std::string command = program + " run " + scene_file + " --quiet --out " + (folder_ / name).string();
+    std::string command = program + " run " + scene_file + " --quiet --no-report --out " + (folder_ / name).string();
     for (const std::string& setting : settings) command += " --set '" + setting + "'";
     command += " " + arguments + " > " + (folder_ / (name + ".txt")).string() + " 2>&1";
     EXPECT_EQ(std::system(command.c_str()), 0) << command;

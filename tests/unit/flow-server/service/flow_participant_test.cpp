@@ -239,6 +239,10 @@ TEST(EstimateFlow, GrowsWithStationsAndFaces) {
   EXPECT_EQ(value(channel, "faces"), -1);
   EXPECT_GT(value(fold, "seconds_per_solve"), value(channel, "seconds_per_solve"));
   EXPECT_GT(value(fold, "memory_bytes"), 0);
+  participant::OpenRequest unknown = request_for(fold_scene());
+  unknown.peer_surface.reset();
+  EXPECT_EQ(value(estimate_flow(unknown), "stations"), 140);
+  EXPECT_EQ(value(estimate_flow(unknown), "seconds_per_solve"), -1);
 }
 
 }  // namespace
