@@ -141,16 +141,19 @@ def glottal_flow(run):
 
 
 def pressure_along_glottis(run):
-    """Pressure over x when the glottis opens, is widest and closes, in the last cycle that is stored."""
+    """Pressure over x when the glottis opens, is widest and closes, in a cycle near the end of what is stored."""
     states = run.results("polyline") if find(run.scene, "flow.glottis") else None
     period = cycle_length(run)
     if states is None or period is None or any(name not in states.field_names for name in ("pressure", "area")):
         return ""
-    cycle = numpy.flatnonzero(states.time > states.time[-1] - 1.25 * period)
+    # Two periods, the widest moment in the middle one, so that it has an opening before it and a closing after it.
+    before_end = (states.time[-1] - states.time) / period
+    cycle = numpy.flatnonzero(before_end < 2)
     if len(cycle) < 8:
         return ""
     areas = numpy.array([states.field(k, "area").min() for k in cycle])
-    widest = 1 + int(areas[1:-1].argmax())
+    in_the_middle = (before_end[cycle] > 0.5) & (before_end[cycle] < 1.5)
+    widest = int(numpy.where(in_the_middle, areas, 0).argmax())
     mean = 0.5 * (areas.max() + areas.min())
     moments = [("opening", _crossing(areas, mean, widest, -1)), ("widest", widest), ("closing", _crossing(areas, mean, widest, +1))]
     chart, (pressure, area) = new_figure(1, 2)
@@ -163,7 +166,7 @@ def pressure_along_glottis(run):
     pressure.set(xlabel="x [mm]", ylabel="pressure [kPa]")
     area.set(xlabel="x [mm]", ylabel="area [mm²]")
     pressure.legend(fontsize=8)
-    return section("Pressure along the glottis", figure(svg_of(chart, "pressure"), "Pressure and area along the glottis while it opens, is widest and closes, in the last cycle that is stored."))
+    return section("Pressure along the glottis", figure(svg_of(chart, "pressure"), "Pressure and area along the glottis while it opens, is widest and closes, in a cycle near the end of the run."))
 
 
 def _crossing(values, level, start, direction):

@@ -27,7 +27,7 @@ def main():
                 "output.quantity[1]={name: 'equilibrium_flow_rate' kind: FINAL column: 'flow.rate' window: 0.01 until: 0.2}",
                 "output.quantity[2]={name: 'frequency' kind: FREQUENCY column: 'exit.y' window: 0.28}"]
     meshes = f"{FOLD}.elements_x,{FOLD}.elements_y,{FOLD}.elements_z=3:4:6,4:6:8,6:9:12,8:12:16"
-    command = [couplet, "study", scene, "--vary", meshes, "--vary", "time.step=2e-5,1e-5,5e-6", "--out", options.out]
+    command = [couplet, "study", scene, "--vary", meshes, "--vary", "time.step=4e-5,2e-5,1e-5", "--out", options.out]
     for quantity in ("equilibrium_opening", "equilibrium_flow_rate", "frequency"):
         command += ["--quantity", quantity]
     for setting in settings:
