@@ -27,6 +27,7 @@ struct CommandLine {
   RunOptions run;
   BatchOptions batch;
   Words reported;
+  std::string outline;
   std::string message, keys;
   bool is_slurm = false;
   std::function<int()> action;
@@ -96,11 +97,14 @@ void add_verbs_that_tell(CommandLine& line) {
 
   CLI::App* report = line.app.add_subcommand("report", "write report.html of a run, or a comparison of several");
   report->add_option("DIR", line.reported, "run folders")->required();
+  report->add_option("--outline", line.outline, "also write the outline of the fold over a cycle to this SVG file")
+      ->option_text("FILE");
   report->callback([&line] {
     line.action = [&line] {
       const Installation installation = find_installation();
       Words command{installation.python, installation.script("deploy/report/report.py"), "--print"};
       command.insert(command.end(), line.reported.begin(), line.reported.end());
+      if (!line.outline.empty()) command.insert(command.end(), {"--outline", line.outline});
       become_program(command);
       return 0;
     };
