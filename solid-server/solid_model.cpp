@@ -84,7 +84,7 @@ struct SolidModel::Parts {
   void estimate_stable_step() {
     accepted.stable_step =
         stable_step([&](const NodeVectors& u) { return force.internal_only(u); }, accepted.motion.displacement,
-                    inverse_mass, smallest_length, contact_rate_squared);
+                    inverse_mass, smallest_length, contact_rate_squared, setup.damping.stiffness_factor);
     accepted.n_accepted_since_estimate = 0;
   }
 

@@ -22,7 +22,13 @@ constexpr Eigen::Index width = NodeVectors::ColsAtCompileTime;
 
 CentralDifference::CentralDifference(NodalForce& force, NodeVectors inverse_mass, Damping damping,
                                      std::vector<KickVelocity> kicks, WorkTeam& team)
-    : force_(force), inverse_mass_(std::move(inverse_mass)), damping_(damping), kicks_(std::move(kicks)), team_(team) {
+    : force_(force),
+      inverse_mass_(std::move(inverse_mass)),
+      damping_(damping),
+      kicks_(std::move(kicks)),
+      team_(team),
+      is_strain_damped_(damping.stiffness_factor > 0) {
+  if (is_strain_damped_) strained_ = NodeVectors::Zero(inverse_mass_.rows(), 4);
   std::stable_sort(kicks_.begin(), kicks_.end(),
                    [](const KickVelocity& a, const KickVelocity& b) { return a.time < b.time; });
   for (KickVelocity& kick : kicks_) kick.velocity.array() *= (inverse_mass_.array() > 0).cast<double>();
@@ -67,15 +73,17 @@ void CentralDifference::plan(const Motion& from, double duration, int n_substeps
 }
 
 /// The first half kick and drift.
-void CentralDifference::start(const Motion& from, const double* force, Share nodes, Motion& to) const {
+void CentralDifference::start(const Motion& from, const double* force, Share nodes, Motion& to) {
   const Substep& next = substeps_.front();
   const double d = next.damping_factor;
   for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
     NodeQuad v = quad(from.velocity.data(), n);
     if (next.kick) v += quad(next.kick, n);
     v = d * v + (h_ / 2) * (quad(force, n) * quad(inverse_mass_.data(), n));
+    const NodeQuad u = quad(from.displacement.data(), n) + h_ * v;
     put(v, to.velocity.data(), n);
-    put(quad(from.displacement.data(), n) + h_ * v, to.displacement.data(), n);
+    put(u, to.displacement.data(), n);
+    note_strained(n, u, v);
   }
 }
 
@@ -104,9 +112,16 @@ bool CentralDifference::substep(int member, int k, Motion& to) {
     NodeQuad v = d_last * (quad(velocity, node) + change);
     if (next.kick) v += quad(next.kick, node);
     v = d_next * v + change;
+    const NodeQuad u = quad(displacement, node) + h_ * v;
     put(v, velocity, node);
-    put(quad(displacement, node) + h_ * v, displacement, node);
+    put(u, displacement, node);
+    note_strained(node, u, v);
   });
+}
+
+inline void CentralDifference::note_strained(Eigen::Index node, const NodeQuad& displacement,
+                                             const NodeQuad& velocity) {
+  if (is_strain_damped_) put(displacement + damping_.stiffness_factor * velocity, strained_.data(), node);
 }
 
 template <class Visit>
@@ -114,7 +129,7 @@ bool CentralDifference::visit_all(int member, const double* displacement, const 
   team_.barrier();
   force_.write_surface_parts(member, displacement, moment);
   team_.barrier();
-  force_.sweep(member, displacement, moment, visit);
+  force_.sweep(member, strained_at(displacement), moment, visit);
   team_.barrier();
   if (force_.inverted_element() >= 0) return false;
   force_.visit_shared(member, visit);

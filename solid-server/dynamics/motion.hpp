@@ -18,10 +18,12 @@ struct Motion {
   int n_kicks_done = 0;
 };
 
-/// Force per mass and velocity [1/s]: that of the body, and more of it until the body has settled.
+/// Force per mass and velocity [1/s]: that of the body, and more of it until the body has settled. And force per
+/// stiffness and velocity.
 struct Damping {
   double of_body = 0;                    // [1/s]
   double until = 0, while_settling = 0;  // [s] [1/s]
+  double stiffness_factor = 0;           // beta [s]
 
   double at(double time) const { return of_body + (time < until ? while_settling : 0); }
 };

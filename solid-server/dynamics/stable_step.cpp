@@ -40,7 +40,7 @@ RitzValue largest_ritz_value(const std::vector<double>& diagonal, const std::vec
 
 double stable_step(const std::function<NodeVectors(const NodeVectors&)>& internal_force,
                    const NodeVectors& displacement, const NodeVectors& inverse_mass, double smallest_length,
-                   double extra_rate_squared) {
+                   double extra_rate_squared, double stiffness_damping) {
   const NodeVectors root = inverse_mass.cwiseSqrt();  // M^-1/2, 0 at supports
   const NodeVectors force = internal_force(displacement);
   const auto apply = [&](const NodeVectors& q) -> NodeVectors {
@@ -71,7 +71,9 @@ double stable_step(const std::function<NodeVectors(const NodeVectors&)>& interna
   if (!std::isfinite(rate_squared) || rate_squared <= 0)
     throw report::NumericsError("stable step", "the largest eigenvalue of the body is " + std::to_string(rate_squared),
                                 "the body is badly deformed: check loads and time.step");
-  return 2 / std::sqrt(rate_squared);
+  const double rate = std::sqrt(rate_squared), zeta = stiffness_damping * rate / 2;
+  return 2 / rate *
+         (std::sqrt(1 + zeta * zeta) - zeta);  // the v of the half step lags [Belytschko, Liu, Moran 2000, ch. 6]
 }
 
 }  // namespace couplet::solid

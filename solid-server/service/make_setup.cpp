@@ -97,6 +97,7 @@ SolidSetup make_setup(const v1::Solid& solid) {
   setup.supports = make_supports(body);
   setup.wetted.assign(body.wetted().begin(), body.wetted().end());
   setup.damping = {body.mass_damping(), solid.settling().until(), solid.settling().mass_damping()};
+  setup.damping.stiffness_factor = body.stiffness_damping();
   for (const v1::Kick& kick : solid.kick()) setup.kicks.push_back(make_kick(kick));
   for (const v1::PressureLoad& load : solid.pressure()) setup.pressures.push_back(make_pressure(load));
   for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back({plane.y(), plane.stiffness()});

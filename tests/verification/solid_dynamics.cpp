@@ -155,6 +155,58 @@ TEST(Damping, OfAnySizeIsStable) {
   EXPECT_TRUE(model.accepted().motion.displacement.allFinite());
 }
 
+/// The body moves in one mode from rest, so that its energy falls as exp(-beta omega^2 t).
+TEST(Damping, ByStiffnessTakesFromEachModeByTheSquareOfItsFrequency) {
+  SolidSetup setup = rubber_cube();
+  setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
+  setup.supports.fixed = {"x_min"};
+  const FreeVibration body =
+      free_vibration(setup.mesh, setup.material, setup.density, setup.supports, setup.points_per_element);
+  const NodeVectors inverse = inverse_mass(setup.mesh, lumped_mass(setup.mesh, setup.density), setup.supports);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(Eigen::MatrixXd(body.stiffness),
+                                                                        Eigen::MatrixXd(body.lumped_mass));
+  for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{20}}) {
+    const double omega = std::sqrt(modes.eigenvalues()[k]), period = 2 * M_PI / omega;
+    NodeVectors shape = NodeVectors::Zero(setup.mesh.n_nodes(), 4);
+    Eigen::Index equation = 0;
+    for (Index n = 0; n < setup.mesh.n_nodes(); ++n)
+      for (int i = 0; i < 3; ++i)
+        if (inverse(n, i) > 0) shape(n, i) = modes.eigenvectors()(equation++, k);
+    setup.kicks = {{0, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
+                      Index nearest = 0;
+                      (setup.mesh.node_position.rowwise() - x.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
+                      return 1e-3 * shape.row(nearest).head<3>().transpose();  // small: the mode stays linear
+                    }}};
+    setup.damping.stiffness_factor = 0.1 / (period * omega * omega);  // a tenth of the energy in a period
+    setup.step.largest_substep = period / 200;
+    SolidModel model(setup);
+    advance(model, period);
+    const double first = total_energy(model);
+    advance(model, 4 * period);
+    // Lag of half a substep and energy at u + beta v: (omega h)^2 and beta omega, of one per cent together.
+    EXPECT_NEAR(std::log(total_energy(model) / first), -0.4, 0.004) << "mode " << k;
+  }
+}
+
+TEST(Damping, ByStiffnessShortensTheStableStepAsItIsSaidTo) {
+  SolidSetup setup = rubber_cube();
+  setup.supports.fixed = {"x_min"};
+  const double undamped = SolidModel(setup).accepted().stable_step;
+  setup.damping.stiffness_factor = undamped;  // zeta = 1 at the highest frequency
+  EXPECT_NEAR(SolidModel(setup).accepted().stable_step, (std::sqrt(2.0) - 1) * undamped, 1e-9 * undamped);
+  const auto largest_motion = [&](double safety) {
+    setup.step.safety = safety;
+    setup.kicks = {{0, [](const Eigen::Vector3d& x) {
+                      return Eigen::Vector3d(1e-3 * std::sin(40 * x.y()), 1e-3 * std::cos(50 * x.z()), 0);
+                    }}};
+    SolidModel model(setup);
+    for (int n = 0; n < 100; ++n) advance(model, 50 * safety * model.accepted().stable_step);
+    return model.accepted().motion.displacement.cwiseAbs().maxCoeff();
+  };
+  EXPECT_LE(largest_motion(0.99), 1e-4);
+  EXPECT_THROW(largest_motion(1.05), report::NumericsError);
+}
+
 TEST(BouncingCube, KeepsItsEnergyThroughContact) {
   SolidSetup setup = rubber_cube();
   setup.wetted = {"y_max"};
