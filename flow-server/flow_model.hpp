@@ -33,6 +33,8 @@ class FlowModel {
 
   /// Time of the accepted state [s].
   virtual double time() const = 0;
+  /// The same time as the coupler has it, which adds up steps with another round-off.
+  virtual void align_time(double accepted_time) = 0;
 
   /// Solves from the accepted state over `duration` [s] to the moved surface at its end. Changes the trial state only;
   /// equal arguments give equal bits. Throws NumericsError when there is no solution.

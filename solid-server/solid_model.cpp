@@ -158,6 +158,10 @@ void SolidModel::solve_step(double duration, const surface::NodeArray& interface
   if (p.force.inverted_element() >= 0) p.refuse_inverted(p.accepted.motion.time, p.trial.motion.time);
 }
 
+void SolidModel::align_time(double accepted_time) {
+  parts_->accepted.motion.time = accepted_time;
+}
+
 void SolidModel::accept_step() {
   Parts& p = *parts_;
   std::swap(p.accepted.motion, p.trial.motion);

@@ -66,6 +66,9 @@ class SolidModel {
   /// From the accepted state over `duration` [s] with the force on the wetted nodes at its end, (n wetted nodes, 3)
   /// [N]. Throws NumericsError when an element is turned inside out.
   void solve_step(double duration, const surface::NodeArray& interface_force);
+
+  /// The time of the accepted state as the coupler has it, which adds up steps with another round-off.
+  void align_time(double accepted_time);
   const SolidState& trial() const;
 
   /// Makes the trial state the accepted one; estimates the stable step again when it is due.

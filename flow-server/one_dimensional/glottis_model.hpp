@@ -39,6 +39,7 @@ class GlottisModel : public FlowModel {
   const surface::SurfaceMesh& interface() const override { return interface_; }
   std::vector<std::string> needs() const override;
   double time() const override { return time_; }
+  void align_time(double accepted_time) override { time_ = accepted_time; }
   void solve_step(double duration, const surface::FieldSet& motion) override;
   const surface::NodeArray& force() const override { return force_; }
   std::vector<FlowQuantity> accept_step() override;

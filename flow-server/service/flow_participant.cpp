@@ -58,13 +58,14 @@ participant::Opened FlowParticipant::open(const participant::OpenRequest& reques
 participant::StepSolved FlowParticipant::solve_step(const participant::StepInterval& interval,
                                                     const surface::FieldSet& fields) {
   const auto started = Clock::now();
-  // The coupler and this program add up the same steps; more than round-off apart means that one of them lost a step.
-  if (std::abs(interval.start - model_->time()) > 1e-6 * interval.duration) {
+  // More than the round-off of one step apart means that one of the two programs lost a step.
+  if (std::abs(interval.start - model_->time()) > 1e-6 * interval.duration + 1e-15 * std::abs(interval.start)) {
     throw report::PeerError("flow-server",
                             "asked for a step from t = " + std::to_string(interval.start) +
                                 " s, but the accepted state is at t = " + std::to_string(model_->time()) + " s",
                             "start the run again from its last checkpoint");
   }
+  model_->align_time(interval.start);
   for (const std::string& name : model_->needs()) {
     const surface::NodeArray& values = surface::find_field(fields, name).values;
     if (values.rows() != model_->interface().n_nodes() || values.cols() != 3) {

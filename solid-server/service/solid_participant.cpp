@@ -35,9 +35,9 @@ double peak_memory_bytes() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
-/// The coupler and this program add up the same steps; more than round-off apart means that one of them lost a step.
+/// More than the round-off of one step apart means that one of the two programs lost a step.
 void check_start(const participant::StepInterval& interval, double accepted_time) {
-  if (std::abs(interval.start - accepted_time) <= 1e-6 * interval.duration) return;
+  if (std::abs(interval.start - accepted_time) <= 1e-6 * interval.duration + 1e-15 * std::abs(interval.start)) return;
   throw report::PeerError("solid-server",
                           "asked for a step from t = " + std::to_string(interval.start) +
                               " s, but the accepted state is at t = " + std::to_string(accepted_time) + " s",
@@ -72,6 +72,7 @@ participant::StepSolved SolidParticipant::solve_step(const participant::StepInte
                                                      const surface::FieldSet& fields) {
   const Stopwatch watch(seconds_);
   check_start(interval, model_->accepted().motion.time);
+  model_->align_time(interval.start);
   model_->solve_step(interval.duration, received_force(fields));
   participant::StepSolved solved;
   solved.fields = fields_at_surface(model_->trial().motion);

@@ -120,6 +120,17 @@ TEST(FlowParticipant, RefusesAStepThatDoesNotStartAtItsAcceptedTime) {
   EXPECT_THROW(flow.solve_step({2, 1, 1e-5, 1e-5}, displaced_by(0)), report::PeerError);
 }
 
+// Both programs add up times; after millions of steps their round-off differs by more than that of one step.
+TEST(FlowParticipant, FollowsTheRoundOffOfTheCoupler) {
+  FlowParticipant flow;
+  flow.open(request_for(fold_scene()));
+  for (int step = 1; step <= 5; ++step) {
+    const double start = (step - 1) * (1e-5 + 8e-12);  // each start is off by less than 1e-6 of a step, all by more
+    EXPECT_NO_THROW(flow.solve_step({step, 1, start, 1e-5}, displaced_by(0))) << step;
+    flow.accept_step(step);
+  }
+}
+
 TEST(FlowParticipant, RefusesAMissingFieldAndOneOfTheWrongSize) {
   FlowParticipant flow;
   flow.open(request_for(fold_scene()));

@@ -159,6 +159,15 @@ TEST(SolidParticipant, RefusesAStepThatDoesNotStartAtTheAcceptedTime) {
   EXPECT_THROW(driven.solid.solve_step({1, 1, coupling_step, coupling_step}, {}), report::PeerError);
 }
 
+// Both programs add up times; after millions of steps their round-off differs by more than that of one step.
+TEST(SolidParticipant, FollowsTheRoundOffOfTheCoupler) {
+  Driven driven(request(solid_text + flow_text));
+  for (int n = 0; n < 5; ++n) {
+    EXPECT_NO_THROW(driven.go()) << n;
+    driven.opened.time += 0.8e-6 * coupling_step;  // off by less than 1e-6 of a step each time, by more in all
+  }
+}
+
 TEST(SolidParticipant, RefusesAForceOfAnotherSize) {
   Driven driven(request(solid_text + flow_text));
   const surface::FieldSet wrong = {{"force", "N", surface::NodeArray::Zero(3, 3)}};
