@@ -97,7 +97,9 @@ void add_verbs_that_tell(CommandLine& line) {
 
   CLI::App* report = line.app.add_subcommand("report", "write report.html of a run, or a comparison of several");
   report->add_option("DIR", line.reported, "run folders")->required();
-  report->add_option("--outline", line.outline, "also write the outline of the fold over a cycle to this SVG file")
+  report
+      ->add_option("--outline", line.outline,
+                   "also write the outline of the fold over a cycle, mean of all that are stored, to this SVG file")
       ->option_text("FILE");
   report->callback([&line] {
     line.action = [&line] {

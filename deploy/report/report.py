@@ -37,7 +37,7 @@ def main():
     parser.add_argument("folders", metavar="DIR", nargs="+", type=Path, help="folder of a run")
     parser.add_argument("--out", type=Path, help="file to write; default: report.html in the first folder, comparison.html for several")
     parser.add_argument("--print", action="store_true", help="say where the page is")
-    parser.add_argument("--outline", type=Path, metavar="FILE", help="also write the picture of the outline as an SVG file")
+    parser.add_argument("--outline", type=Path, metavar="FILE", help="also write the outline over a cycle, mean of all that are stored, as an SVG file")
     options = parser.parse_args()
     for folder in options.folders:
         if not folder.is_dir():
@@ -62,7 +62,7 @@ def main():
 
 def write_outline(run, path):
     states = run.results("hexahedron20")
-    chart = states and fold.outline_figure(run, states, fold.cycle_length(run), width=8.0, height=3.6)
+    chart = states and fold.outline_figure(run, states, fold.cycle_length(run), width=8.0, height=3.6, mean=True)
     if chart:
         write(path, svg_of(chart, "outline", trim=True) + "\n")
 

@@ -81,23 +81,26 @@ def along_quadratic_edges(points, n_pieces=6):
     return numpy.concatenate([*curve, points[-1:]])
 
 
-def outline_figure(run, states, period, width=9.0, height=4.2):
-    """Outlines of both folds over the last cycle, and at rest."""
+def outline_figure(run, states, period, width=9.0, height=4.2, mean=False):
+    """Outlines of both folds over the last cycle, or the mean of all cycles that are stored, and at rest."""
     fold = find(run.scene, "solid.body.vocal_fold", {})
     nodes = middle_outline(states, find(fold, "length"))
     if len(nodes) < 3:
         return None
     last = states.time[-1]
     wanted = last - (period or numpy.ptp(states.time) / 10) * numpy.linspace(1, 0, 13)[1:]
-    chosen = sorted({states.nearest(time) for time in wanted if time >= states.time[0] - 1e-12})
+    n_cycles = max(1, int(numpy.ptp(states.time) / period)) if mean and period else 1
+    chosen = [[states.nearest(time - n * period) if n else states.nearest(time) for n in range(n_cycles)]
+              for time in wanted if time >= states.time[0] - 1e-12]
     chart, axes = new_figure(width=width, height=height)
     rest = along_quadratic_edges(1e3 * states.position[nodes])
     midplane = find(run.scene, "flow.glottis.midplane")
     axes.plot(rest[:, 0], rest[:, 1], color="#999", linestyle="--", linewidth=1, label="at rest")
     colours = colormaps["viridis"](numpy.linspace(0, 0.92, len(chosen)))
-    for colour, state in zip(colours, chosen):
-        moved = along_quadratic_edges(1e3 * (states.position + states.field(state, "displacement"))[nodes])
-        share = (states.time[state] - last) / period if period else 0
+    for colour, moments in zip(colours, chosen):
+        displacement = numpy.mean([states.field(state, "displacement")[nodes] for state in moments], axis=0)
+        moved = along_quadratic_edges(1e3 * (states.position[nodes] + displacement))
+        share = (states.time[moments[0]] - last) / period if period else 0
         axes.plot(moved[:, 0], moved[:, 1], color=colour, linewidth=1.1, label=f"{1 + share:.2f} of the cycle" if period else None)
         if midplane:
             axes.plot(moved[:, 0], 2e3 * midplane - moved[:, 1], color=colour, linewidth=0.6, alpha=0.5)
