@@ -133,10 +133,10 @@ CYCLES = [
     Case("B1-T3.5", KICK, thickness(3.5) + model("B1") + kicked(2.0), table(136, 1.31, 98, STUDY), minutes=3),
     Case("B2-T1.75", KICK, thickness(1.75) + model("B2") + kicked(1.0), table(140, 1.44, 10, STUDY), exit_code=3, minutes=0.2),
     Case("B2-T3.5", KICK, thickness(3.5) + model("B2") + kicked(1.0), {"exit_code": (3, "dissertation, Table 5.2: diverges")}, exit_code=3, minutes=0.2),
-    # Saint Venant-Kirchhoff tissue gives way in compression: at the superior end of the medial face an element is turned inside
-    # out after 0.97, 0.53 and 0.61 s.
+    # Saint Venant-Kirchhoff tissue gives way in compression: the vibration grows until an element of the medial face is turned
+    # inside out, after 0.4 to 1 s. The windows end before that.
     Case("M2-T1.75-SVK", KICK, thickness(1.75) + model("M2") + [SVK] + kicked(0.7), table(128, 1.05, 5, "dissertation, Table 5.3"), minutes=1),
-    Case("M2-T3.5-SVK", KICK, thickness(3.5) + model("M2") + [SVK] + kicked(0.5), table(128, 1.06, 83, "dissertation, Table 5.3"), minutes=1),
+    Case("M2-T3.5-SVK", KICK, thickness(3.5) + model("M2") + [SVK] + kicked(0.36), table(128, 1.06, 83, "dissertation, Table 5.3"), minutes=1),
     Case("B1-steady-T1.75-SVK", SUDDEN, thickness(1.75) + model("B1") + ["flow.glottis.unsteady=false", SVK] + sudden(0.5),
          table(72, 1.35, -5, "dissertation, Table 5.3"), window=0.3, minutes=1),
     Case("B1-T3.5-SVK", KICK, thickness(3.5) + model("B1") + [SVK] + kicked(0.5), table(128, 1.25, 62, "dissertation, Table 5.3"), minutes=1),
