@@ -77,7 +77,8 @@ struct FractionalStep::Parts {
         border(checked(setup, blocks).grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
         block(make_flow_block(setup, blocks, border)),
         exchange(blocks),
-        solver(make_pressure_solver(make_pressure_problem(setup, block, border), setup.pressure.method)),
+        problem(make_pressure_problem(setup, block, border)),
+        solver(make_pressure_solver(problem, setup.pressure.method)),
         source(block.new_field()),
         phi(block.new_field()),
         nu(setup.viscosity / setup.density),
@@ -124,6 +125,7 @@ struct FractionalStep::Parts {
   FlowBorder border;
   FlowBlock block;
   HaloExchange exchange;
+  PressureProblem problem;  // outlives its solver
   std::unique_ptr<PressureSolver> solver;
   Field<double> source, phi;
   double nu, diffusion;
@@ -404,6 +406,7 @@ void FractionalStep::fill_ghosts(FlowState& state) {
   parts.border.set_time(state.time, 0, state.velocity);
   parts.border.impose(state.velocity, false);
   parts.finish_state(state);
+  if (state.rate_kind == RateKind::mean_acceleration) parts.exchange.exchange(parts.pointers(state.rate), 1);
   state.courant_rate = state.largest_speed = std::numeric_limits<double>::quiet_NaN();
 }
 
