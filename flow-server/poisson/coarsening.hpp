@@ -41,7 +41,7 @@ struct LevelPlan {
   Triple n_cells(int level) const;
 };
 
-/// Two neighbours are merged where together they are at most three times as wide as the smallest cell of the level in
+/// Two neighbours are merged where together they are at most four times as wide as the smallest cell of the level in
 /// any direction that can still be merged; a cell left over joins a pair. So cells become cubes before they become
 /// larger, and a point smoother does. A periodic direction keeps an even number of cells, at least 4, so that red and
 /// black alternate across its ends. Ends where a level has at most `coarsest_size` cells.
