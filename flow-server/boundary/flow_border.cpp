@@ -44,15 +44,6 @@ bool contains(const FacePatch& patch, int direction, const Point& point) {
 
 }  // namespace
 
-template <class Visit>
-void FlowBorder::for_each(const Border& border, const Layer& layer, const Visit& visit) {
-  const int d = border.direction, a = (d + 1) % 3, b = (d + 2) % 3;
-  std::size_t n = 0;
-  Triple cell{};
-  for (cell[b] = layer.begin[b]; cell[b] < layer.end[b]; ++cell[b])
-    for (cell[a] = layer.begin[a]; cell[a] < layer.end[a]; ++cell[a], ++n) visit(cell, n);
-}
-
 FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& decomposition,
                        const BorderConditions& conditions, const IsFluid& is_fluid, bool balances_inflow)
     : grid_(grid),
@@ -321,6 +312,27 @@ void FlowBorder::impose(std::array<Field<double>, 3>& velocity, bool with_outflo
   }
 }
 
+void FlowBorder::remember() {
+  for (Border& border : borders_)
+    for (Layer& layer : border.layer) layer.remembered = layer.value;
+}
+
+/// How the ghost of a tangential velocity follows from the border's and the two inner ones.
+GhostWeights FlowBorder::ghost_weights(const Border& border, int component, Triple cell, std::size_t m,
+                                       const std::array<Field<double>, 3>& velocity) const {
+  const BorderKind kind = border.layer[component].kind[m];
+  if (kind == BorderKind::prescribed) return border.ghost;
+  const GhostWeights no_shear{.border = 0, .first = 1, .second = 0};
+  if (kind == BorderKind::slip) return no_shear;
+  // Fluid that leaves has no shear there, fluid that enters comes straight.
+  const Field<double>& normal = velocity[border.direction];
+  cell[border.direction] = border.face;
+  double outward = border.outward * normal(cell[0], cell[1], cell[2]);
+  ++cell[component];
+  outward += border.outward * normal(cell[0], cell[1], cell[2]);
+  return outward < 0 ? GhostWeights{} : no_shear;
+}
+
 void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) const {
   for (const Border& border : borders_) {
     const int d = border.direction;
@@ -345,18 +357,10 @@ void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) co
           velocity[c](cell[0], cell[1], cell[2]) = ghost;
           return;
         }
+        const GhostWeights weights = ghost_weights(border, c, cell, m, velocity);
         const double first = value_at(velocity[c], border.inside);
-        double ghost = first;  // no shear: slip, and fluid that leaves
-        if (layer.kind[m] == BorderKind::prescribed) {
-          const double second = value_at(velocity[c], border.next);
-          ghost = border.ghost.border * layer.value[m] + border.ghost.first * first + border.ghost.second * second;
-        } else if (layer.kind[m] != BorderKind::slip) {
-          double outward = border.outward * value_at(velocity[d], border.face);
-          ++cell[c];
-          outward += border.outward * value_at(velocity[d], border.face);
-          --cell[c];
-          if (outward < 0) ghost = 0;  // fluid that enters comes straight
-        }
+        double ghost = weights.border * layer.value[m] + weights.first * first;
+        if (weights.second != 0) ghost += weights.second * value_at(velocity[c], border.next);
         cell[d] = border.outside;
         velocity[c](cell[0], cell[1], cell[2]) = ghost;
       });

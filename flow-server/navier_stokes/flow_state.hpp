@@ -29,7 +29,7 @@ struct FlowState {
   double courant_rate = std::numeric_limits<double>::quiet_NaN();
   double largest_speed = std::numeric_limits<double>::quiet_NaN();
   RateKind rate_kind = RateKind::none;
-  std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none, ghosts are not filled
+  std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none
 };
 
 }  // namespace couplet::flow

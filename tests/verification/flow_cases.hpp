@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include "flow-server/navier_stokes/fractional_step.hpp"
@@ -13,10 +14,11 @@
 namespace couplet::flow {
 
 /// One part in each direction as `shape` says; widths of the parts differ where a number of cells is no multiple.
-inline BlockDecomposition decompose(const StretchedGrid& grid, const Triple& shape) {
+inline BlockDecomposition decompose(const StretchedGrid& grid, const Triple& shape,
+                                    MPI_Comm communicator = MPI_COMM_WORLD) {
   std::array<Partition, 3> parts;
   for (int d = 0; d < 3; ++d) parts[d] = equal_parts(grid.axis[d].n_cells(), shape[d], 1);
-  return BlockDecomposition(MPI_COMM_WORLD, parts, grid.is_periodic());
+  return BlockDecomposition(communicator, parts, grid.is_periodic());
 }
 inline BlockDecomposition decompose(const StretchedGrid& grid) {
   int n_ranks = 1;
