@@ -12,7 +12,7 @@ struct RunOptions {
   std::filesystem::path scene;
   std::filesystem::path out;          // empty: runs/<scene folder>-<date>-<time>
   std::vector<std::string> settings;  // PATH=VALUE, in order
-  int flow_ranks = 1;
+  int flow_ranks = 0;            // 0: as suits the scene and this machine
   int solid_threads = 0;         // 0: as the solid server chooses
   std::string transport;         // mpi, zmq; empty: as the scene says
   std::filesystem::path resume;  // run folder or checkpoint to continue from; empty: start at t = 0

@@ -227,11 +227,19 @@ PressureSettings make_pressure_settings(const v1::PressureSolve& solve) {
 
 NavierStokesSetup make_setup(const v1::Flow& flow) {
   const v1::NavierStokes& model = flow.navier_stokes();
-  NavierStokesSetup setup{.grid = make_grid(model.grid())};
-  setup.density = flow.fluid().density();
-  setup.viscosity = flow.fluid().viscosity();
+  NavierStokesSetup setup{make_grid(model.grid()),
+                          flow.fluid().density(),
+                          flow.fluid().viscosity(),
+                          {},
+                          make_body_force(model.body_force(), model_path + ".body_force"),
+                          make_vector(v1::Vector()),
+                          {},
+                          {},
+                          make_scheme(model.time_scheme()),
+                          {},
+                          make_pressure_settings(model.pressure()),
+                          model.balances_inflow()};
   setup.border = make_borders(model.border(), setup);
-  setup.body_force = make_body_force(model.body_force(), model_path + ".body_force");
   if (model.initial().has_velocity()) {
     setup.initial_velocity = make_vector(model.initial().velocity(), model_path + ".initial.velocity");
   } else if (model.initial().has_exact()) {
@@ -244,12 +252,9 @@ NavierStokesSetup make_setup(const v1::Flow& flow) {
       return value.at(centre, 0) > 0;
     };
   }
-  setup.scheme = make_scheme(model.time_scheme());
   if (model.has_courant_number()) setup.step.courant = model.courant_number();
   setup.step.smallest = model.smallest_step();
   if (model.has_largest_step()) setup.step.largest = model.largest_step();
-  setup.pressure = make_pressure_settings(model.pressure());
-  setup.balances_inflow = model.balances_inflow();
   return setup;
 }
 
