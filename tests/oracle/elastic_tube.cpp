@@ -95,6 +95,16 @@ VectorXd ElasticTube::wall_area(const VectorXd& pressure) const {
   return (twice * twice) / (pressure.array() - twice).square();
 }
 
+surface::NodeArray TubeFlowState::columns() const {
+  surface::NodeArray columns(velocity.size(), 3);
+  columns << velocity, pressure, area;
+  return columns;
+}
+
+TubeFlowState TubeFlowState::from_columns(const surface::NodeArray& columns) {
+  return {columns.col(0), columns.col(1), columns.col(2)};
+}
+
 TubeFlowState rest_state(const ElasticTube& tube) {
   const Index n_nodes = tube.n_cells + 1;
   return {VectorXd::Constant(n_nodes, 10), VectorXd::Zero(n_nodes), VectorXd::Ones(n_nodes)};

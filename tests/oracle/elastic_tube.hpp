@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 
+#include "proto/surface/surface_mesh.hpp"
+
 namespace couplet::oracle {
 
 /// Inviscid quasi-one-dimensional flow of density 1 through a tube of length 10 with rest area 1 and rest velocity 10
@@ -20,6 +22,9 @@ struct ElasticTube {
 
 struct TubeFlowState {
   Eigen::VectorXd velocity, pressure, area;  // (n_cells + 1)
+
+  surface::NodeArray columns() const;
+  static TubeFlowState from_columns(const surface::NodeArray& columns);
 };
 
 TubeFlowState rest_state(const ElasticTube& tube);

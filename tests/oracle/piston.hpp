@@ -3,8 +3,9 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
-#include "proto/participant/participant.hpp"
+#include "tests/oracle/oracle_participant.hpp"
 
 namespace couplet::oracle {
 
@@ -32,45 +33,46 @@ enum class TimeRule {
 
 struct Kinematics {
   Eigen::VectorXd displacement, velocity, acceleration;
+
+  surface::NodeArray columns() const;
+  static Kinematics from_columns(const surface::NodeArray& columns);
 };
 
 /// The state at the end of a step that ends at that displacement.
 Kinematics move_to(const Kinematics& old, const Eigen::VectorXd& displacement, double duration, TimeRule rule);
 
-/// Takes displacement and velocity, gives force, all (n, 3).
-class PistonFlow : public participant::Participant {
+/// Its state is that of the pistons that it follows. Takes displacement and velocity, gives force, all (n, 3).
+class PistonFlow : public OracleParticipant<Kinematics> {
  public:
   PistonFlow(PistonRow row, TimeRule rule);
-  participant::Opened open(const participant::OpenRequest& request) override;
-  participant::StepSolved solve_step(const participant::StepInterval& interval,
-                                     const surface::FieldSet& fields) override;
-  std::vector<participant::NamedNumber> accept_step(std::int64_t step) override;
-  std::uint64_t write_checkpoint(const std::string& path) override;
-  std::vector<participant::NamedNumber> close(const std::string& reason) override;
 
  private:
+  surface::SurfaceMesh nodes() const override;
+  std::vector<std::string> needs() const override { return {"displacement", "velocity"}; }
+  surface::FieldSet offered(const Kinematics& state) const override;
+  Kinematics solve(const Kinematics& accepted, const participant::StepInterval& interval,
+                   const surface::FieldSet& fields) const override;
+  participant::NamedNumber quantity(const Kinematics& accepted) const override;
+
   PistonRow row_;
   TimeRule rule_;
-  double time_ = 0, trial_time_ = 0;
-  Kinematics accepted_, trial_;
 };
 
 /// Takes force, gives displacement and velocity.
-class PistonSolid : public participant::Participant {
+class PistonSolid : public OracleParticipant<Kinematics> {
  public:
   PistonSolid(PistonRow row, TimeRule rule);
-  participant::Opened open(const participant::OpenRequest& request) override;
-  participant::StepSolved solve_step(const participant::StepInterval& interval,
-                                     const surface::FieldSet& fields) override;
-  std::vector<participant::NamedNumber> accept_step(std::int64_t step) override;
-  std::uint64_t write_checkpoint(const std::string& path) override;
-  std::vector<participant::NamedNumber> close(const std::string& reason) override;
 
  private:
+  surface::SurfaceMesh nodes() const override;
+  std::vector<std::string> needs() const override { return {"force"}; }
+  surface::FieldSet offered(const Kinematics& state) const override;
+  Kinematics solve(const Kinematics& accepted, const participant::StepInterval& interval,
+                   const surface::FieldSet& fields) const override;
+  participant::NamedNumber quantity(const Kinematics& accepted) const override;
+
   PistonRow row_;
   TimeRule rule_;
-  double time_ = 0, trial_time_ = 0;
-  Kinematics accepted_, trial_;
 };
 
 }  // namespace couplet::oracle

@@ -1,11 +1,8 @@
 #!/usr/bin/python3
 """Vocal fold in its own 1D glottal flow: equilibria, growth rates, and the dissertation's Tables 5.2 and 5.3 beside ours (about 60 minutes)."""
 
-import argparse
-import csv
 import json
 import math
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -15,39 +12,21 @@ import numpy
 from cases import CASES
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent))
+import stored_runs as runs  # noqa: E402
+
 SCENE = HERE.parents[2] / "deploy" / "scenes" / "vocal-fold-hybrid" / "scene.txtpb"
 
 
 def run_case(case, couplet, out, extra):
     """Runs a case unless its folder holds the same finished run; returns its folder and exit code."""
-    folder = out / case.name
     settings = case.settings + extra
     if case.kind == "cycle":
         settings += [f"output.quantity[{i}].window={case.window}" for i in range(5)]
-    command = [couplet, "run", str(SCENE), "--out", str(folder), "--quiet", "--solid-threads", "1"]
     if "output.results_start=0" not in settings:
-        settings.append("output.results_start=1e-9")  # only the numbers are wanted here, not the fields
-        settings.append("output.results_interval=1e3")
-    for setting in settings:
-        command += ["--set", setting]
-    stamp = folder / "command.txt"
-    if stamp.exists() and stamp.read_text() == "\n".join(command) and (folder / "exit_code.txt").exists():
-        return folder, int((folder / "exit_code.txt").read_text())
-    if folder.exists():
-        subprocess.run(["rm", "-r", str(folder)], check=True)
-    done = subprocess.run(command, capture_output=True, text=True)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "console.txt").write_text(done.stdout + done.stderr)
-    stamp.write_text("\n".join(command))
-    (folder / "exit_code.txt").write_text(str(done.returncode))
-    return folder, done.returncode
-
-
-def read_history(folder):
-    with open(folder / "history.csv") as file:
-        names = [name.split(" [")[0] for name in next(csv.reader(file))]
-    values = numpy.loadtxt(folder / "history.csv", delimiter=",", skiprows=1, ndmin=2)
-    return {name: values[:, i] for i, name in enumerate(names)}
+        # Only the numbers are wanted here, not the fields.
+        settings += ["output.results_start=1e-9", "output.results_interval=1e3"]
+    return out / case.name, runs.run(couplet, SCENE, out / case.name, settings, ["--solid-threads", "1"])
 
 
 def equilibrium(history):
@@ -90,21 +69,20 @@ def measure(case, folder, code):
     if code != case.exit_code or code != 0:
         return {"exit_code": (code, "1", 0.0)}
     if case.kind == "equilibrium":
-        return equilibrium(read_history(folder))
+        return equilibrium(runs.read_history(folder))
     if case.kind == "growth":
-        return growth(read_history(folder), int(case.name[-1]))
+        return growth(runs.read_history(folder), int(case.name[-1]))
     summary = json.loads((folder / "summary.json").read_text())
     numbers = {name: (q["value"], q["unit"], q.get("spread") or 0.0) for name, q in summary["quantities"].items() if q["value"] is not None}
     # The dissertation's d is the largest opening; `amplitude` is the mean of the openings of all cycles.
-    history = read_history(folder)
+    history = runs.read_history(folder)
     inside = history["time"] > history["time"][-1] - case.window
     numbers["largest_opening"] = (-history["exit.y"][inside].min(), "m", numbers["amplitude"][2] if "amplitude" in numbers else 0.0)
     return numbers
 
 
 def rows_of(case, folder, code):
-    summary_file = folder / "summary.json"
-    cost = json.loads(summary_file.read_text()).get("core_seconds", 0) if summary_file.exists() else 0
+    cost = runs.core_seconds(folder)
     for quantity, (value, unit, spread) in measure(case, folder, code).items():
         reference, source = case.reference.get(quantity, (None, ""))
         band = case.band.get(quantity)
@@ -128,12 +106,7 @@ def print_table(rows):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--couplet", required=True, help="the couplet command")
-    parser.add_argument("--json", help="write the rows to this file")
-    parser.add_argument("--out", default="runs/validate/vocal-fold-hybrid", help="folder of the runs; finished ones are used again")
-    parser.add_argument("--only", action="append", default=[], help="run the cases whose names start with this")
-    parser.add_argument("--set", action="append", default=[], help="a setting for every run")
+    parser = runs.arguments(__doc__, "vocal-fold-hybrid")
     parser.add_argument("--jobs", type=int, default=2, help="runs at the same time, one thread each")
     options = parser.parse_args()
     chosen = [case for case in CASES if not options.only or any(case.name.startswith(start) for start in options.only)]

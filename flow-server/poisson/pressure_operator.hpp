@@ -1,0 +1,60 @@
+#pragma once
+// div grad in double precision on the cells of one rank, and the volume-weighted sums that go with it.
+
+#include <array>
+#include <vector>
+
+#include "flow-server/grid/active_cells.hpp"
+#include "flow-server/poisson/coarsening.hpp"
+#include "flow-server/poisson/pressure_solver.hpp"
+
+namespace couplet::flow {
+
+/// Sums over the cells of this rank.
+struct DirectionSums {
+  double correction_residual = 0;     // <z, r>
+  double correction_operator = 0;     // <z, A z>
+  double correction_conjugate = 0;    // <z, A p>
+};
+
+/// A phi = div grad phi. Ghosts of phi beyond a border of the whole must be 0; ghosts at neighbours filled.
+class PressureOperator {
+ public:
+  explicit PressureOperator(const PressureProblem& problem);
+
+  const ActiveCells& active() const { return active_; }
+  bool has_open_border() const { return has_open_face_; }  // of the whole, at a cell of this rank
+  double volume() const { return volume_; }                // of the active cells of this rank [m^3]
+
+  /// Sum of volume * value, and of volume * value^2.
+  std::array<double, 2> moments(const Field<double>& values) const;
+  /// residual = source - mean - A phi; returns the sum of volume * residual^2.
+  double residual(const Field<double>& source, double mean, const Field<double>& phi, Field<double>* residual) const;
+  /// Sums of which the next direction is made. `z` and `p` with one filled ghost layer.
+  DirectionSums direction_sums(const Field<float>& z, const Field<double>& r, const Field<float>& p) const;
+  /// p = z + beta p (one ghost layer too), phi += alpha p, r -= alpha A p, f = r; returns the sum of volume * r^2.
+  double advance(const Field<float>& z, double beta, double alpha, Field<float>& p, Field<double>& phi,
+                 Field<double>& r, Field<float>& f) const;
+  void subtract(double value, Field<double>& phi) const;
+  void copy(const Field<double>& from, Field<float>& to) const;
+
+ private:
+  template <bool has_share>
+  double residual_of(const Field<double>& source, double mean, const Field<double>& phi,
+                     Field<double>* residual) const;
+  template <bool has_share>
+  DirectionSums direction_sums_of(const Field<float>& z, const Field<double>& r, const Field<float>& p) const;
+  template <bool has_share>
+  double advance_of(const Field<float>& z, double beta, double alpha, Field<float>& p, Field<double>& phi,
+                    Field<double>& r, Field<float>& f) const;
+
+  Triple sizes_, layer_;                                      // cells; 1 in directions with terms, else 0
+  std::array<std::vector<double>, 3> lower_, upper_, width_;  // (n) of the cells of this rank
+  const FaceFractions* share_ = nullptr;                      // of the problem
+  ActiveCells active_;
+  std::array<std::array<bool, 2>, 3> is_at_border_{};
+  bool has_open_face_ = false;
+  double volume_ = 0;
+};
+
+}  // namespace couplet::flow
