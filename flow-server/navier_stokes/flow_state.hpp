@@ -9,15 +9,27 @@
 
 namespace couplet::flow {
 
-/// Two ghost layers in every direction of the flow. velocity[d] stands on the faces normal to direction d: entry (i, j,
-/// k) is the face between the cell (i, j, k) and the next one in direction d.
+/// What FlowState::rate holds of the step before.
+enum class RateKind {
+  none,               // nothing: no step was taken, or by a scheme that needs no memory
+  of_momentum,        // du/dt by convection and diffusion at its start: for Adams-Bashforth
+  mean_acceleration,  // change of velocity over its length: for Crank-Nicolson
+};
+
+/// Two ghost layers in every direction of the flow, of which the inner one is filled. velocity[d] stands on the faces
+/// normal to direction d: entry (i, j, k) is the face between the cell (i, j, k) and the next one in direction d. In two
+/// dimensions the fields of the third direction are empty.
 struct FlowState {
   double time = 0;                                              // of the velocity [s]
   double pressure_time = 0;                                     // half a step behind it [s]
   double last_step = std::numeric_limits<double>::quiet_NaN();  // [s]; not a number: none was taken yet
   std::array<Field<double>, 3> velocity;                        // [m/s]
   Field<double> pressure;                                       // [Pa]
-  std::array<Field<double>, 3> rate;  // du/dt by convection and diffusion one step before [m/s^2]; Adams-Bashforth only
+  // Largest sum of |u| / dx [1/s] and largest speed [m/s] of the velocity on all ranks; not a number: not known.
+  double courant_rate = std::numeric_limits<double>::quiet_NaN();
+  double largest_speed = std::numeric_limits<double>::quiet_NaN();
+  RateKind rate_kind = RateKind::none;
+  std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none, ghosts are not filled
 };
 
 }  // namespace couplet::flow

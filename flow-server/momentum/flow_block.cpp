@@ -1,0 +1,26 @@
+#include "flow-server/momentum/flow_block.hpp"
+
+namespace couplet::flow {
+
+AxisMetrics make_axis_metrics(const StretchedAxis& axis, int begin, int end) {
+  const int n = end - begin;
+  AxisMetrics metrics{AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n),
+                      AxisValues(n)};
+  const auto width = [&](int cell) {
+    return axis.is_periodic() || (cell >= 0 && cell < axis.n_cells()) ? axis.width(cell) : 0.0;
+  };
+  for (int i = -2; i < n + 2; ++i) {
+    const int cell = begin + i;
+    const double here = width(cell), next = width(cell + 1);
+    metrics.centre[i] = axis.centre(cell);
+    metrics.face[i] = axis.face(cell + 1);
+    metrics.width[i] = here;
+    metrics.inverse_width[i] = here > 0 ? 1 / here : 0;
+    metrics.inverse_control_width[i] = here + next > 0 ? 2 / (here + next) : 0;
+    metrics.inverse_distance[i] = 1 / axis.distance(cell);
+    metrics.share[i] = here + next > 0 ? here / (here + next) : 0;
+  }
+  return metrics;
+}
+
+}  // namespace couplet::flow

@@ -1,0 +1,76 @@
+#include "flow-server/navier_stokes/flow_domain.hpp"
+
+#include "flow-server/grid/halo_exchange.hpp"
+
+namespace couplet::flow {
+
+FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecomposition& decomposition,
+                          const FlowBorder& border) {
+  FlowBlock block;
+  block.grid = &setup.grid;
+  block.decomposition = &decomposition;
+  block.n_dimensions = setup.grid.n_dimensions;
+  const Box& mine = decomposition.mine();
+  block.sizes = mine.sizes();
+  block.ghosts = {2, 2, block.n_dimensions == 3 ? 2 : 0};
+  for (int d = 0; d < 3; ++d)
+    block.axis[d] = make_axis_metrics(setup.grid.axis[d], mine.begin[d], mine.end[d]);
+
+  const Triple n_cells = setup.grid.n_cells();
+  const std::array<bool, 3> is_periodic = setup.grid.is_periodic();
+  // Whether a cell, local and one beyond the block at most, is inside the grid and fluid.
+  const auto is_fluid = [&](const Triple& cell) {
+    Point centre;
+    for (int d = 0; d < 3; ++d) {
+      int global = mine.begin[d] + cell[d];
+      if (is_periodic[d]) global = (global + n_cells[d]) % n_cells[d];
+      if (global < 0 || global >= n_cells[d]) return false;
+      centre[d] = setup.grid.axis[d].centre(global);
+    }
+    return !setup.is_fluid || setup.is_fluid(centre);
+  };
+  const Box all = box_of(block.sizes);
+  block.cells = setup.is_fluid ? ActiveCells::where(all, [&](int i, int j, int k) { return is_fluid({i, j, k}); })
+                               : ActiveCells::all(all);
+  for (int d = 0; d < block.n_dimensions; ++d) {
+    Box range = all;
+    range.begin[d] = -1;
+    block.faces[d] = ActiveCells::where(range, [&](int i, int j, int k) {
+      const Triple cell{i, j, k};
+      Triple next = cell;
+      ++next[d];
+      if (cell[d] == -1 && decomposition.is_at_border(d, 0)) return border.kind(d, 0, next) == BorderKind::opening;
+      if (next[d] == block.sizes[d] && decomposition.is_at_border(d, 1))
+        return border.kind(d, 1, cell) == BorderKind::opening;
+      return is_fluid(cell) && is_fluid(next);
+    });
+  }
+  return block;
+}
+
+PressureProblem make_pressure_problem(const NavierStokesSetup& setup, const FlowBlock& block, const FlowBorder& border) {
+  PressureProblem problem{.grid = block.grid, .decomposition = block.decomposition, .border_is_open = {}, .open_share = {}};
+  bool needs_faces = static_cast<bool>(setup.is_fluid);
+  for (int d = 0; d < block.n_dimensions; ++d)
+    for (int side = 0; side < 2; ++side) {
+      problem.border_is_open[d][side] = border.is_all_open(d, side);
+      needs_faces |= border.is_partly_open(d, side) && !border.is_all_open(d, side);
+    }
+  if (!needs_faces) return problem;
+  const Triple layer{1, 1, block.n_dimensions == 3 ? 1 : 0};
+  FaceFractions& shares = problem.open_share.emplace();
+  std::vector<Field<float>*> exchanged;
+  for (int d = 0; d < 3; ++d) shares[d] = Field<float>(block.sizes, layer);
+  for (int d = 0; d < block.n_dimensions; ++d) {
+    const Box& range = block.faces[d].range();
+    for (int k = range.begin[2]; k < range.end[2]; ++k)
+      for (int j = range.begin[1]; j < range.end[1]; ++j)
+        for (const Interval& interval : block.faces[d].row(j, k))
+          for (int i = interval.begin; i < interval.end; ++i) shares[d](i, j, k) = 1;
+    exchanged.push_back(&shares[d]);
+  }
+  HaloExchange(*block.decomposition).exchange(exchanged, 1);
+  return problem;
+}
+
+}  // namespace couplet::flow
