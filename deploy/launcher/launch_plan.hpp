@@ -25,7 +25,8 @@ struct LaunchPlan {
   std::string transport;              // zmq, mpi; empty for a program on its own
 };
 
-/// `options.flow_ranks` is the number that was chosen. `socket_folder` is where local sockets may be made. Throws SceneError when scene and options contradict each other.
+/// `options.flow_ranks` is the number that was chosen. `socket_folder` is where local sockets may be made. Throws
+/// SceneError when scene and options contradict each other.
 LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
                        const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder);
 

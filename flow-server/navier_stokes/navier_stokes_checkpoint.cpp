@@ -72,6 +72,7 @@ void write_navier_stokes_checkpoint(const std::filesystem::path& path, const Flo
   ParallelFile file = ParallelFile::create(path, decomposition.communicator());
   file.write_text("kind", kind);
   file.write_list("clock", {state.time, state.pressure_time, state.last_step});
+  file.write_list("known", {state.courant_rate, state.largest_speed, static_cast<double>(state.rate_kind)});
   for (int d = 0; d < 3; ++d) file.write_list(component("face", d), grid.axis[d].faces());
   for (int d = 0; d < grid.n_dimensions; ++d)
     write_field(file, component("velocity", d), state.velocity[d], decomposition, d);
@@ -101,6 +102,10 @@ void read_navier_stokes_checkpoint(const std::filesystem::path& path, const Stre
   state.time = clock.at(0);
   state.pressure_time = clock.at(1);
   state.last_step = clock.at(2);
+  const std::vector<double> known = file.read_list("known");
+  state.courant_rate = known.at(0);
+  state.largest_speed = known.at(1);
+  state.rate_kind = static_cast<RateKind>(static_cast<int>(known.at(2)));
   for (int d = 0; d < grid.n_dimensions; ++d)
     read_field(file, component("velocity", d), state.velocity[d], decomposition, d);
   read_field(file, "pressure", state.pressure, decomposition, -1);

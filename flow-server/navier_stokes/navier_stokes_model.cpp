@@ -67,7 +67,8 @@ NavierStokesModel::NavierStokesModel(NavierStokesOptions options, MPI_Comm ranks
   if (options_.initial_file.empty()) return;
   resume(options_.initial_file);
   accepted_.time = accepted_.pressure_time = 0;
-  accepted_.last_step = std::numeric_limits<double>::quiet_NaN();  // its rate of change belongs to another run
+  accepted_.last_step = std::numeric_limits<double>::quiet_NaN();
+  accepted_.rate_kind = RateKind::none;  // what was before belongs to another run
   step_.fill_ghosts(accepted_);
 }
 
@@ -144,7 +145,11 @@ void NavierStokesModel::write_checkpoint(const std::filesystem::path& path) cons
 
 void NavierStokesModel::resume(const std::filesystem::path& path) {
   read_navier_stokes_checkpoint(path, options_.setup.grid, decomposition_, accepted_);
+  const double courant_rate = accepted_.courant_rate, largest_speed = accepted_.largest_speed;
   step_.fill_ghosts(accepted_);
+  // Measured again they would differ in the last bit, and with them the tolerance of the next pressure.
+  accepted_.courant_rate = courant_rate;
+  accepted_.largest_speed = largest_speed;
 }
 
 void NavierStokesModel::start_results(const std::filesystem::path& results_folder) {

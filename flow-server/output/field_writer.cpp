@@ -65,7 +65,8 @@ std::array<Interval, 3> own_picture(const FieldRegion& region, const Box& mine) 
 
 std::vector<double> picture_faces(const FieldRegion& region, const StretchedAxis& axis, int d) {
   std::vector<double> faces;
-  for (int m = 0; m < n_picture_cells(region, d); ++m) faces.push_back(axis.face(region.cells.begin[d] + m * region.stride));
+  for (int m = 0; m < n_picture_cells(region, d); ++m)
+    faces.push_back(axis.face(region.cells.begin[d] + m * region.stride));
   faces.push_back(axis.face(region.cells.end[d]));
   return faces;
 }
@@ -132,10 +133,12 @@ std::string listing_text(const FieldRegion& region, const std::vector<double>& t
   }
   const std::string cells = n_cells[2] + " " + n_cells[1] + " " + n_cells[0];
   for (std::size_t state = 0; state < times.size(); ++state) {
-    text += "<Grid Name=\"" + region.name + "\" GridType=\"Uniform\"><Time Value=\"" + shortest(times[state]) + "\"/>\n";
+    text +=
+        "<Grid Name=\"" + region.name + "\" GridType=\"Uniform\"><Time Value=\"" + shortest(times[state]) + "\"/>\n";
     text += "<Topology TopologyType=\"3DRectMesh\" Dimensions=\"" + n_faces[2] + " " + n_faces[1] + " " + n_faces[0] +
             "\"/>\n<Geometry GeometryType=\"VXVYVZ\">";
-    for (int d = 0; d < 3; ++d) text += data_item(8, n_faces[d], "grid/" + region.name + "/" + std::string(1, "xyz"[d]));
+    for (int d = 0; d < 3; ++d)
+      text += data_item(8, n_faces[d], "grid/" + region.name + "/" + std::string(1, "xyz"[d]));
     text += "</Geometry>\n";
     const int bytes = region.precision == Precision::single ? 4 : 8;
     for (const FieldQuantity quantity : region.quantities) {
@@ -193,7 +196,8 @@ FieldWriter::FieldWriter(const std::filesystem::path& results_folder, const Stre
 void FieldWriter::write_grid() {
   for (const FieldRegion& region : regions_)
     for (int d = 0; d < 3; ++d)
-      file_->write_list("grid/" + region.name + "/" + std::string(1, "xyz"[d]), picture_faces(region, grid_.axis[d], d));
+      file_->write_list("grid/" + region.name + "/" + std::string(1, "xyz"[d]),
+                        picture_faces(region, grid_.axis[d], d));
 }
 
 void FieldWriter::keep_states_up_to(double time) {

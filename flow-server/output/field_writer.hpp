@@ -13,8 +13,8 @@ namespace couplet::flow {
 
 enum class FieldQuantity { velocity, pressure, vorticity, q_criterion, swirling_strength };
 
-/// A part of the grid that is stored. With a stride the cells of the picture are as many cells wide, and hold the values
-/// of the cell in their middle.
+/// A part of the grid that is stored. With a stride the cells of the picture are as many cells wide, and hold the
+/// values of the cell in their middle.
 struct FieldRegion {
   std::string name;
   Box cells;  // in indices of the whole

@@ -97,7 +97,8 @@ IntegralQuantities integrate(const FlowPart& part, double density, double viscos
         }
       }
     }
-    const double area = spacing[1].width[static_cast<std::size_t>(j + 1)] * spacing[2].width[static_cast<std::size_t>(k + 1)];
+    const double area =
+        spacing[1].width[static_cast<std::size_t>(j + 1)] * spacing[2].width[static_cast<std::size_t>(k + 1)];
     double energy_sum = 0, strain_sum = 0, rotation_sum = 0;
     for (int i = begin; i < end; ++i) {
       const double volume = area * spacing[0].width[static_cast<std::size_t>(i + 1)];
@@ -217,8 +218,8 @@ ErrorSums compare(const FlowPart& part, const ExactFlow& exact) {
       for (int d = 0; d < part.grid.n_dimensions; ++d) {
         Point face = centre;
         face[d] = part.grid.axis[d].face(cell[d] + 1);
-        const double distance =
-            std::abs(part.state.velocity[d](i, j, k) - exact.velocity(face, part.state.time)[static_cast<std::size_t>(d)]);
+        const double distance = std::abs(part.state.velocity[d](i, j, k) -
+                                         exact.velocity(face, part.state.time)[static_cast<std::size_t>(d)]);
         sums.velocity_square += volume * distance * distance;
         sums.largest_velocity = std::max(sums.largest_velocity, distance);
       }

@@ -1,6 +1,6 @@
 #pragma once
-// Numbers measured in a flow: integrals, planes, points. Each rank measures its own cells; sums over ranks are left to the
-// caller, so that all numbers of a step travel together.
+// Numbers measured in a flow: integrals, planes, points. Each rank measures its own cells; sums over ranks are left to
+// the caller, so that all numbers of a step travel together.
 
 #include <string>
 #include <vector>
@@ -62,10 +62,10 @@ PointValue measure(const FlowPart& part, const PointProbe& probe);
 
 /// Squares and largest value of the distance from an exact solution, over the cells and faces that hold fluid.
 struct ErrorSums {
-  double velocity_square = 0;                    // integral of |u - u_exact|^2 [m^5/s^2]
-  double pressure = 0, pressure_square = 0;      // integrals of p - p_exact and of its square
-  double volume = 0;                             // [m^3]
-  double largest_velocity = 0;                   // [m/s]
+  double velocity_square = 0;                // integral of |u - u_exact|^2 [m^5/s^2]
+  double pressure = 0, pressure_square = 0;  // integrals of p - p_exact and of its square
+  double volume = 0;                         // [m^3]
+  double largest_velocity = 0;               // [m/s]
 };
 ErrorSums compare(const FlowPart& part, const ExactFlow& exact);
 

@@ -98,11 +98,12 @@ ParallelFile ParallelFile::open(const std::filesystem::path& path, unsigned mode
   const hid_t file = is_new ? H5Fcreate(path.c_str(), mode, H5P_DEFAULT, access) : H5Fopen(path.c_str(), mode, access);
   if (!holds_everywhere(file >= 0, communicator)) {
     const bool is_read = mode == H5F_ACC_RDONLY;
-    throw report::FileError(path.string(),
-                            is_new    ? "cannot make this file"
-                            : is_read ? "cannot read this as an HDF5 file"
-                                      : "cannot write to this as an HDF5 file",
-                            is_read ? "check the path, or make the file again" : "check the folder and its permissions");
+    throw report::FileError(
+        path.string(),
+        is_new    ? "cannot make this file"
+        : is_read ? "cannot read this as an HDF5 file"
+                  : "cannot write to this as an HDF5 file",
+        is_read ? "check the path, or make the file again" : "check the folder and its permissions");
   }
   return ParallelFile(path, file, communicator);
 }
@@ -153,8 +154,8 @@ void ParallelFile::write(const std::string& name, const ArrayBlock& block, const
   select(block, file_space, memory_space);
   const Handle transfer = collective_transfer();
   const double nothing = 0;
-  const herr_t status = H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory_space, file_space, transfer,
-                                 is_empty(block) ? &nothing : values);
+  const herr_t status =
+      H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory_space, file_space, transfer, is_empty(block) ? &nothing : values);
   break_off_unless(status >= 0, name, "cannot be written");
 }
 

@@ -17,8 +17,8 @@ namespace couplet::flow {
 /// surface, so that fields travel node by node.
 class FlowParticipant : public participant::Participant {
  public:
-  /// One participant on each rank of the communicator, called with equal arguments. MPI_COMM_NULL: a process without MPI,
-  /// which can compute one-dimensional flow only.
+  /// One participant on each rank of the communicator, called with equal arguments. MPI_COMM_NULL: a process without
+  /// MPI, which can compute one-dimensional flow only.
   explicit FlowParticipant(MPI_Comm ranks = MPI_COMM_NULL) : ranks_(ranks) {}
 
   participant::Opened open(const participant::OpenRequest& request) override;

@@ -85,9 +85,9 @@ VectorValue make_vector(const v1::VectorInTime& in_time) {
 ExactFlow make_exact(const v1::ExactFlow& flow, const NavierStokesSetup& setup, const std::string& path) {
   switch (flow.solution_case()) {
     case v1::ExactFlow::kTaylorGreen:
-      return {TaylorGreenVortices{flow.taylor_green().velocity(), flow.taylor_green().length(),
-                                  setup.grid.n_dimensions},
-              setup.density, setup.viscosity};
+      return {
+          TaylorGreenVortices{flow.taylor_green().velocity(), flow.taylor_green().length(), setup.grid.n_dimensions},
+          setup.density, setup.viscosity};
     case v1::ExactFlow::kEthierSteinman:
       return {EthierSteinmanFlow{flow.ethier_steinman().a(), flow.ethier_steinman().d()}, setup.density,
               setup.viscosity};
@@ -314,13 +314,13 @@ FlowObservation make_observation(const v1::NavierStokes& model, const NavierStok
   if (model.field_size() == 0) observed.regions.push_back(make_region({}, setup.grid, model_path + ".field"));
   for (const v1::Plane& plane : model.plane()) {
     const Corners corners = make_corners(plane.box());
-    observed.planes.push_back({plane.name(), plane.normal() - v1::Plane::X, plane.position(), corners.from, corners.to});
+    observed.planes.push_back(
+        {plane.name(), plane.normal() - v1::Plane::X, plane.position(), corners.from, corners.to});
   }
   for (const v1::FlowProbe& probe : model.probe())
     observed.probes.push_back({probe.name(), {probe.at().x(), probe.at().y(), probe.at().z()}});
   observed.has_integrals = model.integral_quantities();
-  if (model.has_compare_with())
-    observed.exact = make_exact(model.compare_with(), setup, model_path + ".compare_with");
+  if (model.has_compare_with()) observed.exact = make_exact(model.compare_with(), setup, model_path + ".compare_with");
   return observed;
 }
 

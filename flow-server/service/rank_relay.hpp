@@ -11,8 +11,8 @@ namespace couplet::flow {
 
 /// On rank 0: every call is told to the other ranks, which execute it at the same time on their own participants; rank
 /// 0 returns what its own answers. When the call fails on any rank it fails here with that failure, and the other ranks
-/// know. A rank that has failed while others wait for it inside the call ends the job, after its patience, with the exit
-/// code of its failure.
+/// know. A rank that has failed while others wait for it inside the call ends the job, after its patience, with the
+/// exit code of its failure.
 class RelayedParticipant : public participant::Participant {
  public:
   /// Collective together with follow_calls(). `own` is that of rank 0; the communicator is duplicated.

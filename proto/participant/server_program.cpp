@@ -37,7 +37,8 @@ ServeOptions make_serve_options(const ServerProgram& program, const CommandLine&
       line.server.threads > 0 ? line.server.threads : static_cast<int>(std::thread::hardware_concurrency());
   if (!line.scene.empty()) {
     // A scene that is given here is refused here; afterwards only its folder matters, the coupler sends the scene.
-    options.scene_folder = std::filesystem::absolute(scene::load_scene(line.scene, line.settings).folder).string();
+    scene::load_scene(line.scene, line.settings);
+    options.scene_folder = std::filesystem::absolute(line.scene).parent_path().string();
   }
   options.should_end = stop_was_asked;
   return options;
@@ -121,7 +122,7 @@ int check(const ServerProgram& program, const CommandLine& line) {
   const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
   OpenRequest request;
   request.scene = file.scene;
-  request.scene_folder = std::filesystem::absolute(file.folder).string();
+  request.scene_folder = std::filesystem::absolute(line.scene).parent_path().string();
   const std::vector<NamedNumber> numbers = program.estimate(request);
   if (line.json) {
     nlohmann::ordered_json object;

@@ -140,9 +140,9 @@ class FormulaTrial {
                  const std::string& path) const {
     const double value = expression.at(at[0], at[1], at[2], t);
     if (std::isfinite(value)) return false;
-    review_.complain(path, "is " + number_text(value) + " at x = " + number_text(at[0]) + ", y = " + number_text(at[1]) +
-                               ", z = " + number_text(at[2]) + " m, t = " + number_text(t) +
-                               " s; write a formula that is a finite number everywhere");
+    review_.complain(path, "is " + number_text(value) + " at x = " + number_text(at[0]) +
+                               ", y = " + number_text(at[1]) + ", z = " + number_text(at[2]) +
+                               " m, t = " + number_text(t) + " s; write a formula that is a finite number everywhere");
     return true;
   }
 
@@ -165,7 +165,8 @@ void condition_makes_sense(const Place& place, const std::string& path, int dire
   const std::pair<int, double> border{direction, position};
   if (place.velocity().has_expression())
     trial.check(place.velocity().expression(), path + ".velocity.expression", border);
-  if (place.pressure().has_expression()) trial.check(place.pressure().expression(), path + ".pressure.expression", border);
+  if (place.pressure().has_expression())
+    trial.check(place.pressure().expression(), path + ".pressure.expression", border);
   exact_flow_fits(place.velocity().exact(), path + ".velocity.exact", space.n_dimensions, review);
   const v1::Vector& wall = place.no_slip_wall().velocity();
   const double normal = std::array{wall.x(), wall.y(), wall.z()}[static_cast<std::size_t>(direction)];
@@ -268,8 +269,7 @@ void blocks_have_cells(const v1::NavierStokes& model, const Space& space, Review
 void steps_make_sense(const v1::NavierStokes& model, Review& review) {
   if (!model.has_largest_step() || model.smallest_step() <= model.largest_step()) return;
   review.complain(model_path + ".smallest_step", number_text(model.smallest_step()) + " s is above largest_step, " +
-                                                     number_text(model.largest_step()) +
-                                                     " s; give a smaller one");
+                                                     number_text(model.largest_step()) + " s; give a smaller one");
 }
 
 void start_makes_sense(const v1::NavierStokes& model, const Space& space, const FormulaTrial& trial, Review& review) {
