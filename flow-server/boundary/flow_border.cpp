@@ -55,11 +55,8 @@ void FlowBorder::for_each(const Border& border, const Layer& layer, const Visit&
 
 FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& decomposition,
                        const BorderConditions& conditions, const IsFluid& is_fluid, bool balances_inflow)
-    : grid_(grid),
-      decomposition_(decomposition),
-      n_dimensions_(grid.n_dimensions),
-      sizes_(decomposition.mine().sizes()),
-      balances_inflow_(balances_inflow) {
+    : grid_(grid), decomposition_(decomposition), n_dimensions_(grid.n_dimensions),
+      sizes_(decomposition.mine().sizes()), balances_inflow_(balances_inflow) {
   patches_.push_back({FacePatch{.name = "wall", .condition = PrescribedVelocity{}}, "wall", false});
   std::array<std::array<std::size_t, 2>, 3> first_patch{};
   const std::array<bool, 3> is_periodic = grid.is_periodic();
@@ -86,16 +83,9 @@ FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& deco
     for (int side = 0; side < 2; ++side) {
       if (!decomposition.is_at_border(d, side)) continue;
       const int n = sizes_[d], global_cell = side == 0 ? 0 : grid.axis[d].n_cells() - 1;
-      Border border{.direction = d,
-                    .side = side,
-                    .outside = side == 0 ? -1 : n,
-                    .face = side == 0 ? -1 : n - 1,
-                    .inside = side == 0 ? 0 : n - 1,
-                    .next = side == 0 ? 1 : n - 2,
-                    .outward = side == 0 ? -1.0 : 1.0,
-                    .width = grid.axis[d].width(global_cell),
-                    .ghost = linear_ghost(),
-                    .layer = {}};
+      Border border{.direction = d, .side = side, .outside = side == 0 ? -1 : n, .face = side == 0 ? -1 : n - 1,
+                    .inside = side == 0 ? 0 : n - 1, .next = side == 0 ? 1 : n - 2, .outward = side == 0 ? -1.0 : 1.0,
+                    .width = grid.axis[d].width(global_cell), .ghost = linear_ghost(), .layer = {}};
       if (grid.axis[d].n_cells() > 1)
         border.ghost = parabolic_ghost(border.width, grid.axis[d].width(global_cell + (side == 0 ? 1 : -1)));
       for (int c = 0; c < n_dimensions_; ++c) {
@@ -192,8 +182,8 @@ void FlowBorder::begin_step(const std::array<Field<double>, 3>& velocity) {
   double outflow = 0;
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     const BorderKind kind = kind_of(patches_[p].patch.condition);
-    // An opening that as a whole takes fluid in passes on its momentum (the pressure given is that of the moving
-    // fluid); what comes back through an opening that lets fluid out comes from fluid at rest, which takes energy out.
+    // An opening that as a whole takes fluid in passes on its momentum (the pressure given is that of the moving fluid);
+    // what comes back through an opening that lets fluid out comes from fluid at rest, which takes energy out.
     outside_share_[p] = flow[2 * p] > 0 ? flow[2 * p] / flow[2 * p + 1] : 0.0;
     if (kind == BorderKind::outflow) outflow -= flow[2 * p];
   }
@@ -234,8 +224,7 @@ void FlowBorder::set_time(double time, double elapsed, const std::array<Field<do
     for (int c = 0; c < n_dimensions_; ++c) {
       const Layer& layer = border.layer[c];
       for (std::size_t m = 0; m < layer.value.size(); ++m)
-        if (!std::isfinite(layer.value[m]) || (c == d && !std::isfinite(layer.pressure[m])))
-          sums[3 + layer.patch[m]] += 1;
+        if (!std::isfinite(layer.value[m]) || (c == d && !std::isfinite(layer.pressure[m]))) sums[3 + layer.patch[m]] += 1;
     }
     Layer& layer = border.layer[d];
     for_each(border, layer, [&](Triple cell, std::size_t m) {
@@ -281,8 +270,7 @@ void FlowBorder::set_time(double time, double elapsed, const std::array<Field<do
     is_evaluated_ = false;
     const std::string sentence = "at t = " + text(time) + " s a net " + text(net_inflow_) +
                                  " m^3/s flows in through borders with a prescribed velocity and has no way out";
-    const std::string advice =
-        "open a border (pressure or outflow), correct the velocities, or let the inflow be balanced";
+    const std::string advice = "open a border (pressure or outflow), correct the velocities, or let the inflow be balanced";
     if (prescribed_varies_) throw report::NumericsError("flow borders", sentence, advice);
     throw report::SceneError("flow borders", sentence, advice);
   }
@@ -334,8 +322,8 @@ void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) co
         if (c == d) {
           // Only openings need the ghost of the normal velocity; the kernel's outer flux is (here + ghost)^2 / 4. Where
           // fluid leaves it is here^2. Fluid that comes back comes from rest, the mean of both convected values is
-          // here / 2, the flux here^2 / 2. Through an inlet it comes straight, so that du/dn = 0 by continuity: the
-          // flux is that on the inner side.
+          // here / 2, the flux here^2 / 2. Through an inlet it comes straight, so that du/dn = 0 by continuity: the flux
+          // is that on the inner side.
           const double here = value_at(velocity[c], border.face);
           const double inner = value_at(velocity[c], border.face + (border.side == 0 ? 1 : -1));
           const double share = outside_share_[layer.patch[m]];

@@ -29,13 +29,8 @@ class MomentumSweep {
   MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& velocity,
                 const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
                 std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity)
-      : block_(block),
-        weights_(weights),
-        velocity_(velocity),
-        pressure_(pressure),
-        rate_before_(rate_before),
-        rate_(rate),
-        new_velocity_(new_velocity) {}
+      : block_(block), weights_(weights), velocity_(velocity), pressure_(pressure), rate_before_(rate_before),
+        rate_(rate), new_velocity_(new_velocity) {}
 
   /// Faces begin <= i < end normal to x.
   void x_row(int begin, int end, int j, int k) {
@@ -48,10 +43,8 @@ class MomentumSweep {
     const double* __restrict p = pressure_.row(j, k);
     const double nu = weights_.viscosity;
     const double y_over = block_.axis[1].inverse_width[j], z_over = block_.axis[2].inverse_width[k];
-    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1],
-                 nu_north = nu * block_.axis[1].inverse_distance[j];
-    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1],
-                 nu_top = nu * block_.axis[2].inverse_distance[k];
+    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1], nu_north = nu * block_.axis[1].inverse_distance[j];
+    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1], nu_top = nu * block_.axis[2].inverse_distance[k];
     update_row(0, begin, end, j, k, [&](int i, double& slope) {
       const double here = u.here[i];
       // The carrier is the mean of the fluxes of both cells, so that it is as free of divergence as they are.
@@ -83,8 +76,7 @@ class MomentumSweep {
     const double nu = weights_.viscosity;
     const double y_over = block_.axis[1].inverse_control_width[j], z_over = block_.axis[2].inverse_width[k];
     const double nu_south = nu * block_.axis[1].inverse_width[j], nu_north = nu * block_.axis[1].inverse_width[j + 1];
-    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1],
-                 nu_top = nu * block_.axis[2].inverse_distance[k];
+    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1], nu_top = nu * block_.axis[2].inverse_distance[k];
     const double low = block_.axis[1].share[j], high = 1 - low;
     update_row(1, begin, end, j, k, [&](int i, double& slope) {
       const double here = v.here[i];
@@ -115,8 +107,7 @@ class MomentumSweep {
     const Rows p = rows_of(pressure_, j, k, true);
     const double nu = weights_.viscosity;
     const double y_over = block_.axis[1].inverse_width[j], z_over = block_.axis[2].inverse_control_width[k];
-    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1],
-                 nu_north = nu * block_.axis[1].inverse_distance[j];
+    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1], nu_north = nu * block_.axis[1].inverse_distance[j];
     const double nu_bottom = nu * block_.axis[2].inverse_width[k], nu_top = nu * block_.axis[2].inverse_width[k + 1];
     const double low = block_.axis[2].share[k], high = 1 - low;
     update_row(2, begin, end, j, k, [&](int i, double& slope) {
@@ -189,7 +180,7 @@ void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWei
   const auto with = [&]<int n_dimensions, bool reads_before, bool stores_rate>() {
     sweep_rows(block, part,
                MomentumSweep<n_dimensions, reads_before, stores_rate>(block, weights, velocity, pressure, rate_before,
-                                                                      rate, new_velocity));
+                                                                       rate, new_velocity));
   };
   const auto with_dimensions = [&]<int n_dimensions>() {
     const bool reads = weights.before != 0, stores = rate != nullptr;

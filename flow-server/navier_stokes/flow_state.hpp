@@ -17,8 +17,8 @@ enum class RateKind {
 };
 
 /// Two ghost layers in every direction of the flow, of which the inner one is filled. velocity[d] stands on the faces
-/// normal to direction d: entry (i, j, k) is the face between the cell (i, j, k) and the next one in direction d. In
-/// two dimensions the fields of the third direction are empty.
+/// normal to direction d: entry (i, j, k) is the face between the cell (i, j, k) and the next one in direction d. In two
+/// dimensions the fields of the third direction are empty.
 struct FlowState {
   double time = 0;                                              // of the velocity [s]
   double pressure_time = 0;                                     // half a step behind it [s]

@@ -71,15 +71,11 @@ void append(AdvanceReport& all, AdvanceReport step) {
 
 struct FractionalStep::Parts {
   Parts(NavierStokesSetup given, const BlockDecomposition& blocks)
-      : setup(std::move(given)),
-        decomposition(blocks),
+      : setup(std::move(given)), decomposition(blocks),
         border(checked(setup, blocks).grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
-        block(make_flow_block(setup, blocks, border)),
-        exchange(blocks),
+        block(make_flow_block(setup, blocks, border)), exchange(blocks),
         solver(make_pressure_solver(make_pressure_problem(setup, block, border), setup.pressure.method)),
-        source(block.new_field()),
-        phi(block.new_field()),
-        nu(setup.viscosity / setup.density),
+        source(block.new_field()), phi(block.new_field()), nu(setup.viscosity / setup.density),
         diffusion(diffusion_rate(setup.grid, nu)) {
     inner = box_of(block.sizes);
     for (int d = 0; d < block.n_dimensions; ++d) {
@@ -125,7 +121,7 @@ struct FractionalStep::Parts {
   Field<double> source, phi;
   double nu, diffusion;
   double smallest_width = std::numeric_limits<double>::infinity();
-  Box inner;  // cells whose stencils need no ghosts
+  Box inner;              // cells whose stencils need no ghosts
   bool has_other_ranks = false;
   VectorField stage;  // of Runge-Kutta
   VectorField rate;   // of Runge-Kutta
@@ -158,8 +154,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   for (double done = 0; done < duration;) {
     // Planned once; again where the flow has become faster than the plan allows.
     const StepRates rates = parts.rates_of(*from);
-    if (plan.n_steps == 0 ||
-        (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
+    if (plan.n_steps == 0 || (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
     const double dt = (duration - done) / plan.n_steps;
     if (dt < parts.setup.step.smallest) parts.refuse_step(*from, dt);
@@ -195,11 +190,8 @@ void FractionalStep::Parts::predict(const FlowState& from, double dt, TimeScheme
 /// u* = u + dt [(1 + r/2) R(u_n) - r/2 R(u_{n-1}) - grad p / rho + f], r = dt_n / dt_{n-1}
 void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to) {
   const double r = dt / from.last_step, middle = from.time + 0.5 * dt;
-  const MomentumWeights weights{.now = (1 + 0.5 * r) * dt,
-                                .before = -0.5 * r * dt,
-                                .pressure = dt / setup.density,
-                                .impulse = impulse(middle, dt),
-                                .viscosity = nu};
+  const MomentumWeights weights{.now = (1 + 0.5 * r) * dt, .before = -0.5 * r * dt, .pressure = dt / setup.density,
+                                .impulse = impulse(middle, dt), .viscosity = nu};
   advance_momentum(block, everything(), weights, from.velocity, from.pressure, &from.rate, &to.rate, to.velocity);
   add_force(middle, dt, false, to.velocity);
   border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
@@ -208,8 +200,8 @@ void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, do
   to.rate_kind = RateKind::of_momentum;
 }
 
-/// Three stages with the pressure gradient of the step before and one projection at the end, second order in all [Le
-/// and Moin, J. Comput. Phys. 92 (1991) 369-379].
+/// Three stages with the pressure gradient of the step before and one projection at the end, second order in all [Le and
+/// Moin, J. Comput. Phys. 92 (1991) 369-379].
 void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double dt, FlowState& to) {
   if (stage[0].is_empty()) stage = block.new_vector_field();
   if (rate[0].is_empty()) rate = block.new_vector_field();
@@ -218,19 +210,16 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
   double elapsed = 0;
   for (std::size_t s = 0; s < 3; ++s) {
     const double part = (gamma[s] + zeta[s]) * dt, middle = from.time + elapsed + 0.5 * part;
-    const MomentumWeights weights{.now = gamma[s] * dt,
-                                  .before = zeta[s] * dt,
-                                  .pressure = part / setup.density,
-                                  .impulse = impulse(middle, part),
-                                  .viscosity = nu};
+    const MomentumWeights weights{.now = gamma[s] * dt, .before = zeta[s] * dt, .pressure = part / setup.density,
+                                  .impulse = impulse(middle, part), .viscosity = nu};
     VectorField& fresh = s == 1 ? stage : to.velocity;
     if (s == 0) {
       advance_momentum(block, everything(), weights, from.velocity, from.pressure, nullptr, &first_rate, fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage;
       around_exchange(old, true, [&](const Box& box) {
-        advance_momentum(block, box, weights, old, from.pressure, s == 1 ? &first_rate : &rate,
-                         s == 1 ? &rate : nullptr, fresh);
+        advance_momentum(block, box, weights, old, from.pressure, s == 1 ? &first_rate : &rate, s == 1 ? &rate : nullptr,
+                         fresh);
       });
     }
     add_force(middle, part, false, fresh);
@@ -246,11 +235,11 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
   const double speed = std::isfinite(from.largest_speed) ? from.largest_speed : 0;
-  const double source_of_tolerance = setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
+  const double source_of_tolerance =
+      setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
-    solved =
-        solve_pressure({setup.pressure.relative_tolerance, source_of_tolerance, setup.pressure.largest_iterations});
+    solved = solve_pressure({setup.pressure.relative_tolerance, source_of_tolerance, setup.pressure.largest_iterations});
   } catch (const report::NumericsError&) {
     require_finite(to.velocity, from.time + dt);  // a better sentence, where that is the reason
     throw;
@@ -272,16 +261,11 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
                                     text(measure.speed) + " m/s on cells of " + text(smallest_width) + " m",
                                 "allow more iterations, a smaller tolerance or a smaller step");
-  return {.n_steps = 1,
-          .smallest_step = dt,
-          .courant = std::max(from.courant_rate, to.courant_rate) * dt,
-          .largest_speed = measure.speed,
-          .divergence = measure.divergence,
-          .divergence_rms = measure.divergence_rms(),
-          .pressure_iterations = solved.iterations,
+  return {.n_steps = 1, .smallest_step = dt, .courant = std::max(from.courant_rate, to.courant_rate) * dt,
+          .largest_speed = measure.speed, .divergence = measure.divergence,
+          .divergence_rms = measure.divergence_rms(), .pressure_iterations = solved.iterations,
           .pressure_residual = solved.source_norm > 0 ? solved.true_residual / solved.source_norm : 0,
-          .net_inflow = border.net_inflow(),
-          .scheme = {}};
+          .net_inflow = border.net_inflow(), .scheme = {}};
 }
 
 void FractionalStep::Parts::take_divergence_of(VectorField& velocity, double factor) {
@@ -334,13 +318,11 @@ void FractionalStep::Parts::set_initial_velocity(FlowState& state) {
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
           const Triple cell{i, j, k};
-          const bool is_on_border =
-              (cell[d] == -1) || (cell[d] == block.sizes[d] - 1 && decomposition.is_at_border(d, 1));
+          const bool is_on_border = (cell[d] == -1) || (cell[d] == block.sizes[d] - 1 && decomposition.is_at_border(d, 1));
           if (!is_on_border && !block.faces[d].contains(i, j, k)) continue;
           Point place;
           for (int e = 0; e < 3; ++e)
-            place[e] = e == d ? setup.grid.axis[e].face(origin[e] + cell[e] + 1)
-                              : setup.grid.axis[e].centre(origin[e] + cell[e]);
+            place[e] = e == d ? setup.grid.axis[e].face(origin[e] + cell[e] + 1) : setup.grid.axis[e].centre(origin[e] + cell[e]);
           state.velocity[d](i, j, k) = setup.initial_velocity[d].at(place, 0);
         }
   }
@@ -351,10 +333,10 @@ void FractionalStep::Parts::set_initial_velocity(FlowState& state) {
   take_divergence_of(state.velocity, 1);
   const FlowMeasure given = reduce(measure(block, state.velocity), decomposition.communicator());
   if (!std::isfinite(given.divergence_sum)) require_finite(state.velocity, 0);
-  solve_pressure(
-      {initial_tolerance, setup.pressure.divergence_tolerance * given.speed / smallest_width, initial_iterations});
-  const FlowMeasure measured = reduce(correct(block, 1, phi, 0, source, state.pressure, state.pressure, state.velocity),
-                                      decomposition.communicator());
+  solve_pressure({initial_tolerance, setup.pressure.divergence_tolerance * given.speed / smallest_width,
+                  initial_iterations});
+  const FlowMeasure measured =
+      reduce(correct(block, 1, phi, 0, source, state.pressure, state.pressure, state.velocity), decomposition.communicator());
   n_reductions += 4;
   state.courant_rate = measured.courant_rate;
   state.largest_speed = measured.speed;
@@ -372,10 +354,10 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
       for (int j = 0; j < block.sizes[1]; ++j)
         for_each_interval(block.cells, j, k, 0, block.sizes[0], [&](int begin, int end) {
           for (int i = begin; i < end; ++i)
-            state.pressure(i, j, k) = setup.initial_pressure.at(
-                {setup.grid.axis[0].centre(origin[0] + i), setup.grid.axis[1].centre(origin[1] + j),
-                 setup.grid.axis[2].centre(origin[2] + k)},
-                0);
+            state.pressure(i, j, k) = setup.initial_pressure.at({setup.grid.axis[0].centre(origin[0] + i),
+                                                                 setup.grid.axis[1].centre(origin[1] + j),
+                                                                 setup.grid.axis[2].centre(origin[2] + k)},
+                                                                0);
         });
     finish_state(state);
     return;
@@ -394,9 +376,8 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
   solve_pressure({initial_tolerance, 0, initial_iterations});
   for (int k = 0; k < block.sizes[2]; ++k)
     for (int j = 0; j < block.sizes[1]; ++j)
-      for_each_interval(block.cells, j, k, 0, block.sizes[0], [&](int begin, int end) {
-        std::copy(phi.row(j, k) + begin, phi.row(j, k) + end, state.pressure.row(j, k) + begin);
-      });
+      for_each_interval(block.cells, j, k, 0, block.sizes[0],
+                        [&](int begin, int end) { std::copy(phi.row(j, k) + begin, phi.row(j, k) + end, state.pressure.row(j, k) + begin); });
   finish_state(state);
 }
 
@@ -489,13 +470,11 @@ void FractionalStep::Parts::require_finite(const VectorField& velocity, double t
       for (int i = block.sizes[0] - 1; i >= 0; --i)
         for (int d = 0; d < block.n_dimensions; ++d)
           if (!std::isfinite(velocity[d](i, j, k)))
-            first = origin[0] + i +
-                    static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
+            first = origin[0] + i + static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_LONG, MPI_MIN, decomposition.communicator());
   if (first == none) return;
   const long row = first / n_cells[0];
-  const Triple cell{static_cast<int>(first % n_cells[0]), static_cast<int>(row % n_cells[1]),
-                    static_cast<int>(row / n_cells[1])};
+  const Triple cell{static_cast<int>(first % n_cells[0]), static_cast<int>(row % n_cells[1]), static_cast<int>(row / n_cells[1])};
   throw report::NumericsError(place_of(cell), "the velocity at t = " + text(time) + " s is not a number",
                               "look for values that are not numbers in borders and forces, or take smaller steps");
 }
@@ -515,8 +494,7 @@ void FractionalStep::Parts::refuse_step(const FlowState& state, double step) con
         for (int d = 0; d < block.n_dimensions; ++d) {
           Triple before{i, j, k};
           --before[d];
-          const double here = std::max(std::abs(state.velocity[d](i, j, k)),
-                                       std::abs(state.velocity[d](before[0], before[1], before[2])));
+          const double here = std::max(std::abs(state.velocity[d](i, j, k)), std::abs(state.velocity[d](before[0], before[1], before[2])));
           demand += here * block.axis[d].inverse_width[Triple{i, j, k}[d]];
           square += here * here;
         }
@@ -538,11 +516,9 @@ void FractionalStep::Parts::refuse_step(const FlowState& state, double step) con
 
 std::size_t FractionalStep::n_bytes() const {
   const Parts& parts = *parts_;
-  std::size_t n =
-      parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
+  std::size_t n = parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
   for (int d = 0; d < 3; ++d)
-    n += parts.stage[d].n_bytes() + parts.rate[d].n_bytes() + parts.spare.velocity[d].n_bytes() +
-         parts.spare.rate[d].n_bytes();
+    n += parts.stage[d].n_bytes() + parts.rate[d].n_bytes() + parts.spare.velocity[d].n_bytes() + parts.spare.rate[d].n_bytes();
   return n;
 }
 

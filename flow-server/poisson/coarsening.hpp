@@ -12,10 +12,10 @@ namespace couplet::flow {
 /// The cells of one direction on one level, and the one-dimensional second difference on them:
 /// (A phi)_i = lower(i) (phi_{i-1} - phi_i) + upper(i) (phi_{i+1} - phi_i).
 struct LevelAxis {
-  std::vector<double> width;             // (n_cells) [m]
-  bool is_periodic = false;              //
-  bool has_terms = true;                 // not along z in two dimensions
-  std::array<bool, 2> border_is_open{};  // side 0: start, 1: end
+  std::vector<double> width;                  // (n_cells) [m]
+  bool is_periodic = false;                   //
+  bool has_terms = true;                      // not along z in two dimensions
+  std::array<bool, 2> border_is_open{};       // side 0: start, 1: end
 
   int n_cells() const { return static_cast<int>(width.size()); }
   double lower(int i) const;  // 1 / (width * distance between centres), half a cell at an open border [1/m^2]

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int depth = multigrid_depth;
 constexpr int n_half_sweeps = 4;
-// Yavneh, "On red-black SOR smoothing in multigrid", SIAM J. Sci. Comput. 17 (1996): a little over-relaxation halves
-// the convergence factor of red-black smoothing in three dimensions.
+// Yavneh, "On red-black SOR smoothing in multigrid", SIAM J. Sci. Comput. 17 (1996): a little over-relaxation halves the
+// convergence factor of red-black smoothing in three dimensions.
 constexpr float over_relaxation = 1.15f;
 
 /// The same address, of which the compiler does not know that it is the same: a row that is read at neighbours and
@@ -189,7 +189,8 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
         inverse_diagonal_(i, j, k) = sum > 0 ? static_cast<float>(1 / sum) : 0.0f;
       }
   halo_.exchange<float>({&inverse_diagonal_}, depth);
-  active_ = ActiveCells::where(range(depth), [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });
+  active_ = ActiveCells::where(range(depth),
+                               [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });
 }
 
 Box MultigridLevel::range(int layers) const {
@@ -245,13 +246,11 @@ void MultigridLevel::relax_plane(int k, const Box& cells, int colour) {
   const Triple& first = decomposition_->mine().begin;
   RowCoefficients a{};
   a.x_lower = lower_[0].data() + depth, a.x_upper = upper_[0].data() + depth, a.x_sum = sum_[0].data() + depth;
-  a.z_lower = lower_[2][static_cast<std::size_t>(k + depth)],
-  a.z_upper = upper_[2][static_cast<std::size_t>(k + depth)];
+  a.z_lower = lower_[2][static_cast<std::size_t>(k + depth)], a.z_upper = upper_[2][static_cast<std::size_t>(k + depth)];
   a.to_y = axes_[1].has_terms ? phi.stride_y() : 0, a.to_z = axes_[2].has_terms ? phi.stride_z() : 0;
   a.share_to_y = a.to_y, a.share_to_z = a.to_z;
   for (int j = cells.begin[1]; j < cells.end[1]; ++j) {
-    a.y_lower = lower_[1][static_cast<std::size_t>(j + depth)],
-    a.y_upper = upper_[1][static_cast<std::size_t>(j + depth)];
+    a.y_lower = lower_[1][static_cast<std::size_t>(j + depth)], a.y_upper = upper_[1][static_cast<std::size_t>(j + depth)];
     float* out = phi.row(j, k);
     const float* f = rhs.row(j, k);
     const float* omega = pattern_.data() + depth + ((first[0] + first[1] + j + first[2] + k + colour) & 1);
@@ -272,8 +271,7 @@ void MultigridLevel::restrict_plane(int k, Field<float>& coarse_rhs) {
   if (k < 0 || k >= sizes_[2]) return;
   RowCoefficients a{};
   a.x_lower = lower_[0].data() + depth, a.x_upper = upper_[0].data() + depth, a.x_sum = sum_[0].data() + depth;
-  a.z_lower = lower_[2][static_cast<std::size_t>(k + depth)],
-  a.z_upper = upper_[2][static_cast<std::size_t>(k + depth)];
+  a.z_lower = lower_[2][static_cast<std::size_t>(k + depth)], a.z_upper = upper_[2][static_cast<std::size_t>(k + depth)];
   a.to_y = axes_[1].has_terms ? phi.stride_y() : 0, a.to_z = axes_[2].has_terms ? phi.stride_z() : 0;
   a.share_to_y = a.to_y, a.share_to_z = a.to_z;
   const int K = merging_[2].coarse[static_cast<std::size_t>(k)];
@@ -286,8 +284,7 @@ void MultigridLevel::restrict_plane(int k, Field<float>& coarse_rhs) {
       std::fill(coarse, coarse + merging_[0].n_coarse, 0.0f);
     const auto intervals = active_.row(j, k);
     if (intervals.empty()) continue;
-    a.y_lower = lower_[1][static_cast<std::size_t>(j + depth)],
-    a.y_upper = upper_[1][static_cast<std::size_t>(j + depth)];
+    a.y_lower = lower_[1][static_cast<std::size_t>(j + depth)], a.y_upper = upper_[1][static_cast<std::size_t>(j + depth)];
     if constexpr (has_share) {
       a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
       a.inverse_diagonal = inverse_diagonal_.row(j, k);

@@ -23,11 +23,11 @@ struct BlockMerging {
   struct Run {
     int first_fine, first_coarse, n_coarse, group_size;
   };
-  std::vector<Run> runs;       // of coarse cells that hold equally many fine ones
-  std::vector<int> coarse;     // (n) of each fine cell
-  std::vector<float> share;    // (n) width of the fine cell over that of the coarse one
-  std::vector<int> neighbour;  // (n) the coarse cell on the other side of the fine centre
-  std::vector<float> weight;   // (n) of that neighbour in linear interpolation between coarse centres
+  std::vector<Run> runs;             // of coarse cells that hold equally many fine ones
+  std::vector<int> coarse;           // (n) of each fine cell
+  std::vector<float> share;          // (n) width of the fine cell over that of the coarse one
+  std::vector<int> neighbour;        // (n) the coarse cell on the other side of the fine centre
+  std::vector<float> weight;         // (n) of that neighbour in linear interpolation between coarse centres
   int n_coarse = 0;
 };
 

@@ -57,7 +57,8 @@ MultigridSolver::MultigridSolver(const PressureProblem& problem)
   Triple layer;
   for (int d = 0; d < 3; ++d) layer[d] = d < problem.grid->n_dimensions;
   direction_ = Field<float>(problem.decomposition->mine().sizes(), layer);
-  const auto [volume, n_open] = sum_over_ranks<2>({operator_.volume(), operator_.has_open_border() ? 1.0 : 0.0});
+  const auto [volume, n_open] =
+      sum_over_ranks<2>({operator_.volume(), operator_.has_open_border() ? 1.0 : 0.0});
   volume_ = volume;
   is_singular_ = n_open == 0;
 }
@@ -83,9 +84,10 @@ SolveReport MultigridSolver::solve(const Field<double>& source, Field<double>& p
   const auto norm_of = [&](double squares) { return std::sqrt(sum_over_ranks<1>({squares})[0] / volume_); };
   double norm = norm_of(operator_.residual(source, report.removed_mean, phi, &residual_));
   if (!std::isfinite(norm)) {
-    throw report::NumericsError(
-        "pressure", "the residual at the start is " + text(norm) + ", the norm of the source " + text(source_norm),
-        "a velocity or pressure is not a number; take a smaller time step");
+    throw report::NumericsError("pressure",
+                                "the residual at the start is " + text(norm) + ", the norm of the source " +
+                                    text(source_norm),
+                                "a velocity or pressure is not a number; take a smaller time step");
   }
   const double enough = std::max(limits.relative * source_norm, limits.absolute);
   if (source_norm == 0 && norm > enough) {
@@ -121,8 +123,8 @@ SolveReport MultigridSolver::solve(const Field<double>& source, Field<double>& p
     if (std::isfinite(norm) && since_least < stagnation_iterations) continue;
     throw report::NumericsError(
         "pressure",
-        "the residual does not fall: " + text(norm) + " after " + std::to_string(report.iterations) + " iterations, " +
-            text(first_norm) + " at the start, " + text(least) + " at best, wanted " + text(enough),
+        "the residual does not fall: " + text(norm) + " after " + std::to_string(report.iterations) +
+            " iterations, " + text(first_norm) + " at the start, " + text(least) + " at best, wanted " + text(enough),
         "take a smaller time step, or a looser pressure tolerance if the wanted residual is near round-off");
   }
   if (is_singular_) {
