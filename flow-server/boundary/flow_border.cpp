@@ -44,19 +44,13 @@ bool contains(const FacePatch& patch, int direction, const Point& point) {
 
 }  // namespace
 
-template <class Visit>
-void FlowBorder::for_each(const Border& border, const Layer& layer, const Visit& visit) {
-  const int d = border.direction, a = (d + 1) % 3, b = (d + 2) % 3;
-  std::size_t n = 0;
-  Triple cell{};
-  for (cell[b] = layer.begin[b]; cell[b] < layer.end[b]; ++cell[b])
-    for (cell[a] = layer.begin[a]; cell[a] < layer.end[a]; ++cell[a], ++n) visit(cell, n);
-}
-
 FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& decomposition,
                        const BorderConditions& conditions, const IsFluid& is_fluid, bool balances_inflow)
-    : grid_(grid), decomposition_(decomposition), n_dimensions_(grid.n_dimensions),
-      sizes_(decomposition.mine().sizes()), balances_inflow_(balances_inflow) {
+    : grid_(grid),
+      decomposition_(decomposition),
+      n_dimensions_(grid.n_dimensions),
+      sizes_(decomposition.mine().sizes()),
+      balances_inflow_(balances_inflow) {
   patches_.push_back({FacePatch{.name = "wall", .condition = PrescribedVelocity{}}, "wall", false});
   std::array<std::array<std::size_t, 2>, 3> first_patch{};
   const std::array<bool, 3> is_periodic = grid.is_periodic();
@@ -83,9 +77,16 @@ FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& deco
     for (int side = 0; side < 2; ++side) {
       if (!decomposition.is_at_border(d, side)) continue;
       const int n = sizes_[d], global_cell = side == 0 ? 0 : grid.axis[d].n_cells() - 1;
-      Border border{.direction = d, .side = side, .outside = side == 0 ? -1 : n, .face = side == 0 ? -1 : n - 1,
-                    .inside = side == 0 ? 0 : n - 1, .next = side == 0 ? 1 : n - 2, .outward = side == 0 ? -1.0 : 1.0,
-                    .width = grid.axis[d].width(global_cell), .ghost = linear_ghost(), .layer = {}};
+      Border border{.direction = d,
+                    .side = side,
+                    .outside = side == 0 ? -1 : n,
+                    .face = side == 0 ? -1 : n - 1,
+                    .inside = side == 0 ? 0 : n - 1,
+                    .next = side == 0 ? 1 : n - 2,
+                    .outward = side == 0 ? -1.0 : 1.0,
+                    .width = grid.axis[d].width(global_cell),
+                    .ghost = linear_ghost(),
+                    .layer = {}};
       if (grid.axis[d].n_cells() > 1)
         border.ghost = parabolic_ghost(border.width, grid.axis[d].width(global_cell + (side == 0 ? 1 : -1)));
       for (int c = 0; c < n_dimensions_; ++c) {
@@ -182,8 +183,8 @@ void FlowBorder::begin_step(const std::array<Field<double>, 3>& velocity) {
   double outflow = 0;
   for (std::size_t p = 0; p < patches_.size(); ++p) {
     const BorderKind kind = kind_of(patches_[p].patch.condition);
-    // An opening that as a whole takes fluid in passes on its momentum (the pressure given is that of the moving fluid);
-    // what comes back through an opening that lets fluid out comes from fluid at rest, which takes energy out.
+    // An opening that as a whole takes fluid in passes on its momentum (the pressure given is that of the moving
+    // fluid); what comes back through an opening that lets fluid out comes from fluid at rest, which takes energy out.
     outside_share_[p] = flow[2 * p] > 0 ? flow[2 * p] / flow[2 * p + 1] : 0.0;
     if (kind == BorderKind::outflow) outflow -= flow[2 * p];
   }
@@ -224,7 +225,8 @@ void FlowBorder::set_time(double time, double elapsed, const std::array<Field<do
     for (int c = 0; c < n_dimensions_; ++c) {
       const Layer& layer = border.layer[c];
       for (std::size_t m = 0; m < layer.value.size(); ++m)
-        if (!std::isfinite(layer.value[m]) || (c == d && !std::isfinite(layer.pressure[m]))) sums[3 + layer.patch[m]] += 1;
+        if (!std::isfinite(layer.value[m]) || (c == d && !std::isfinite(layer.pressure[m])))
+          sums[3 + layer.patch[m]] += 1;
     }
     Layer& layer = border.layer[d];
     for_each(border, layer, [&](Triple cell, std::size_t m) {
@@ -270,7 +272,8 @@ void FlowBorder::set_time(double time, double elapsed, const std::array<Field<do
     is_evaluated_ = false;
     const std::string sentence = "at t = " + text(time) + " s a net " + text(net_inflow_) +
                                  " m^3/s flows in through borders with a prescribed velocity and has no way out";
-    const std::string advice = "open a border (pressure or outflow), correct the velocities, or let the inflow be balanced";
+    const std::string advice =
+        "open a border (pressure or outflow), correct the velocities, or let the inflow be balanced";
     if (prescribed_varies_) throw report::NumericsError("flow borders", sentence, advice);
     throw report::SceneError("flow borders", sentence, advice);
   }
@@ -309,6 +312,27 @@ void FlowBorder::impose(std::array<Field<double>, 3>& velocity, bool with_outflo
   }
 }
 
+void FlowBorder::remember() {
+  for (Border& border : borders_)
+    for (Layer& layer : border.layer) layer.remembered = layer.value;
+}
+
+/// How the ghost of a tangential velocity follows from the border's and the two inner ones.
+GhostWeights FlowBorder::ghost_weights(const Border& border, int component, Triple cell, std::size_t m,
+                                       const std::array<Field<double>, 3>& velocity) const {
+  const BorderKind kind = border.layer[component].kind[m];
+  if (kind == BorderKind::prescribed) return border.ghost;
+  const GhostWeights no_shear{.border = 0, .first = 1, .second = 0};
+  if (kind == BorderKind::slip) return no_shear;
+  // Fluid that leaves has no shear there, fluid that enters comes straight.
+  const Field<double>& normal = velocity[border.direction];
+  cell[border.direction] = border.face;
+  double outward = border.outward * normal(cell[0], cell[1], cell[2]);
+  ++cell[component];
+  outward += border.outward * normal(cell[0], cell[1], cell[2]);
+  return outward < 0 ? GhostWeights{} : no_shear;
+}
+
 void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) const {
   for (const Border& border : borders_) {
     const int d = border.direction;
@@ -322,8 +346,8 @@ void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) co
         if (c == d) {
           // Only openings need the ghost of the normal velocity; the kernel's outer flux is (here + ghost)^2 / 4. Where
           // fluid leaves it is here^2. Fluid that comes back comes from rest, the mean of both convected values is
-          // here / 2, the flux here^2 / 2. Through an inlet it comes straight, so that du/dn = 0 by continuity: the flux
-          // is that on the inner side.
+          // here / 2, the flux here^2 / 2. Through an inlet it comes straight, so that du/dn = 0 by continuity: the
+          // flux is that on the inner side.
           const double here = value_at(velocity[c], border.face);
           const double inner = value_at(velocity[c], border.face + (border.side == 0 ? 1 : -1));
           const double share = outside_share_[layer.patch[m]];
@@ -333,18 +357,10 @@ void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) co
           velocity[c](cell[0], cell[1], cell[2]) = ghost;
           return;
         }
+        const GhostWeights weights = ghost_weights(border, c, cell, m, velocity);
         const double first = value_at(velocity[c], border.inside);
-        double ghost = first;  // no shear: slip, and fluid that leaves
-        if (layer.kind[m] == BorderKind::prescribed) {
-          const double second = value_at(velocity[c], border.next);
-          ghost = border.ghost.border * layer.value[m] + border.ghost.first * first + border.ghost.second * second;
-        } else if (layer.kind[m] != BorderKind::slip) {
-          double outward = border.outward * value_at(velocity[d], border.face);
-          ++cell[c];
-          outward += border.outward * value_at(velocity[d], border.face);
-          --cell[c];
-          if (outward < 0) ghost = 0;  // fluid that enters comes straight
-        }
+        double ghost = weights.border * layer.value[m] + weights.first * first;
+        if (weights.second != 0) ghost += weights.second * value_at(velocity[c], border.next);
         cell[d] = border.outside;
         velocity[c](cell[0], cell[1], cell[2]) = ghost;
       });

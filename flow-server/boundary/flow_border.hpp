@@ -53,6 +53,25 @@ class FlowBorder {
   void impose_rate(double time, double elapsed, const std::array<Field<double>, 3>& velocity,
                    std::array<Field<double>, 3>& rate);
 
+  /// Keeps the present velocities of the border, so that changes from them can be told.
+  void remember();
+  /// For each edge with a velocity `component` tangential to a border of `direction`: visit(cell next to the border, side,
+  /// weights that make the ghost from border, first and second value, change of the border's value since remember()).
+  template <class Visit>
+  void visit_tangential(int component, int direction, const std::array<Field<double>, 3>& velocity,
+                        const Visit& visit) const {
+    for (const Border& border : borders_) {
+      if (border.direction != direction) continue;
+      const Layer& layer = border.layer[component];
+      for_each(border, layer, [&](Triple cell, std::size_t m) {
+        const GhostWeights ghost = ghost_weights(border, component, cell, m, velocity);
+        cell[direction] = border.inside;
+        const bool is_prescribed = layer.kind[m] == BorderKind::prescribed;
+        visit(cell, border.side, ghost, is_prescribed ? layer.value[m] - layer.remembered[m] : 0.0);
+      });
+    }
+  }
+
   std::int64_t reductions() const { return reductions_; }
 
  private:
@@ -60,8 +79,9 @@ class FlowBorder {
     Triple begin{}, end{};
     std::vector<BorderKind> kind;
     std::vector<std::uint16_t> patch;
-    std::vector<double> value;     // prescribed or outflow velocity [m/s]
-    std::vector<double> pressure;  // of openings, normal component only [Pa]
+    std::vector<double> value;       // prescribed or outflow velocity [m/s]
+    std::vector<double> remembered;  // an earlier value [m/s]
+    std::vector<double> pressure;    // of openings, normal component only [Pa]
     std::size_t at(const Triple& cell, int direction) const {
       const int a = (direction + 1) % 3, b = (direction + 2) % 3;
       return static_cast<std::size_t>(cell[a] - begin[a]) +
@@ -83,7 +103,15 @@ class FlowBorder {
   };
 
   template <class Visit>
-  static void for_each(const Border& border, const Layer& layer, const Visit& visit);
+  static void for_each(const Border& border, const Layer& layer, const Visit& visit) {
+    const int d = border.direction, a = (d + 1) % 3, b = (d + 2) % 3;
+    std::size_t n = 0;
+    Triple cell{};
+    for (cell[b] = layer.begin[b]; cell[b] < layer.end[b]; ++cell[b])
+      for (cell[a] = layer.begin[a]; cell[a] < layer.end[a]; ++cell[a], ++n) visit(cell, n);
+  }
+  GhostWeights ghost_weights(const Border& border, int component, Triple cell, std::size_t m,
+                             const std::array<Field<double>, 3>& velocity) const;
   Point place_of(const Border& border, int component, const Triple& cell) const;
   double face_area(const Border& border, const Triple& cell) const;
   void sum_over_ranks(std::vector<double>& sums);

@@ -10,8 +10,8 @@ struct GhostWeights {
   double border = 0, first = 0, second = 0;
 };
 
-/// The ghost stands one width of the first cell from u_0. It is chosen so that (u_0 - ghost) / width is the slope of the
-/// parabola through u_border, u_0 and u_1, taken where inner fluxes are exact for parabolas: half way between the
+/// The ghost stands one width of the first cell from u_0. It is chosen so that (u_0 - ghost) / width is the slope of
+/// the parabola through u_border, u_0 and u_1, taken where inner fluxes are exact for parabolas: half way between the
 /// centres, (next - width) / 4 from the border were the spacing to go on linearly beyond it. So the diffusion of a
 /// parabola is exact up to the border where widths are equal or change linearly.
 inline GhostWeights parabolic_ghost(double width, double next_width) {

@@ -35,10 +35,10 @@ Redistribution::Redistribution(MPI_Comm communicator, const RankBoxes& from, con
     Message sent{other, {}, {}}, received{other, {}, {}};
     for (const Triple& shift : shifts) {
       const Triple back{-shift[0], -shift[1], -shift[2]};
-      const Box given = intersection(from[static_cast<std::size_t>(rank_)],
-                                     shifted(to[static_cast<std::size_t>(other)], shift));
-      const Box taken = intersection(shifted(from[static_cast<std::size_t>(other)], back),
-                                     to[static_cast<std::size_t>(rank_)]);
+      const Box given =
+          intersection(from[static_cast<std::size_t>(rank_)], shifted(to[static_cast<std::size_t>(other)], shift));
+      const Box taken =
+          intersection(shifted(from[static_cast<std::size_t>(other)], back), to[static_cast<std::size_t>(rank_)]);
       if (!given.is_empty()) sent.boxes.push_back(given);
       if (!taken.is_empty()) received.boxes.push_back(taken);
     }

@@ -21,16 +21,22 @@ Rows rows_of(const Field<double>& field, int j, int k, bool has_depth) {
   return {here, here - y, here + y, here - z, here + z};
 }
 
-template <int n_dimensions, bool reads_before, bool stores_rate>
+template <int n_dimensions, bool is_own_carrier, bool reads_before, bool stores_rate>
 class MomentumSweep {
  public:
   static constexpr bool three = n_dimensions == 3;
 
-  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& velocity,
+  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
                 const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
                 std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity)
-      : block_(block), weights_(weights), velocity_(velocity), pressure_(pressure), rate_before_(rate_before),
-        rate_(rate), new_velocity_(new_velocity) {}
+      : block_(block),
+        weights_(weights),
+        carrier_(is_own_carrier ? velocity : carrier),
+        velocity_(velocity),
+        pressure_(pressure),
+        rate_before_(rate_before),
+        rate_(rate),
+        new_velocity_(new_velocity) {}
 
   /// Faces begin <= i < end normal to x.
   void x_row(int begin, int end, int j, int k) {
@@ -38,25 +44,28 @@ class MomentumSweep {
     const double* __restrict inverse_width = x.inverse_width.from_zero();
     const double* __restrict inverse_control_width = x.inverse_control_width.from_zero();
     const double* __restrict share = x.share.from_zero();
-    const Rows u = rows_of(velocity_[0], j, k, three), v = rows_of(velocity_[1], j, k, three);
-    const Rows w = three ? rows_of(velocity_[2], j, k, three) : Rows{};
+    const Rows q = rows_of(velocity_[0], j, k, three);
+    const Rows u = rows_of(carrier_[0], j, k, three), v = rows_of(carrier_[1], j, k, three);
+    const Rows w = three ? rows_of(carrier_[2], j, k, three) : Rows{};
     const double* __restrict p = pressure_.row(j, k);
     const double nu = weights_.viscosity;
     const double y_over = block_.axis[1].inverse_width[j], z_over = block_.axis[2].inverse_width[k];
-    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1], nu_north = nu * block_.axis[1].inverse_distance[j];
-    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1], nu_top = nu * block_.axis[2].inverse_distance[k];
+    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1],
+                 nu_north = nu * block_.axis[1].inverse_distance[j];
+    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1],
+                 nu_top = nu * block_.axis[2].inverse_distance[k];
     update_row(0, begin, end, j, k, [&](int i, double& slope) {
-      const double here = u.here[i];
+      const double here = q.here[i];
       // The carrier is the mean of the fluxes of both cells, so that it is as free of divergence as they are.
-      const double east = flux(0.5 * (here + u.here[i + 1]), here, u.here[i + 1], nu * inverse_width[i + 1]);
-      const double west = flux(0.5 * (u.here[i - 1] + here), u.here[i - 1], here, nu * inverse_width[i]);
+      const double east = flux(0.5 * (u.here[i] + u.here[i + 1]), here, q.here[i + 1], nu * inverse_width[i + 1]);
+      const double west = flux(0.5 * (u.here[i - 1] + u.here[i]), q.here[i - 1], here, nu * inverse_width[i]);
       const double left = share[i], right = 1 - share[i];
-      const double north = flux(left * v.here[i] + right * v.here[i + 1], here, u.north[i], nu_north);
-      const double south = flux(left * v.south[i] + right * v.south[i + 1], u.south[i], here, nu_south);
+      const double north = flux(left * v.here[i] + right * v.here[i + 1], here, q.north[i], nu_north);
+      const double south = flux(left * v.south[i] + right * v.south[i + 1], q.south[i], here, nu_south);
       double out = (east - west) * inverse_control_width[i] + (north - south) * y_over;
       if constexpr (three) {
-        const double top = flux(left * w.here[i] + right * w.here[i + 1], here, u.top[i], nu_top);
-        const double bottom = flux(left * w.bottom[i] + right * w.bottom[i + 1], u.bottom[i], here, nu_bottom);
+        const double top = flux(left * w.here[i] + right * w.here[i + 1], here, q.top[i], nu_top);
+        const double bottom = flux(left * w.bottom[i] + right * w.bottom[i + 1], q.bottom[i], here, nu_bottom);
         out += (top - bottom) * z_over;
       }
       slope = (p[i + 1] - p[i]) * inverse_control_width[i];
@@ -69,26 +78,28 @@ class MomentumSweep {
     const AxisMetrics& x = block_.axis[0];
     const double* __restrict inverse_width = x.inverse_width.from_zero();
     const double* __restrict inverse_distance = x.inverse_distance.from_zero();
-    const Rows u = rows_of(velocity_[0], j, k, three), v = rows_of(velocity_[1], j, k, three);
-    const Rows w = three ? rows_of(velocity_[2], j, k, three) : Rows{};
-    const double* __restrict w_bottom_north = three ? velocity_[2].row(j + 1, k - 1) : nullptr;
+    const Rows q = rows_of(velocity_[1], j, k, three);
+    const Rows u = rows_of(carrier_[0], j, k, three), v = rows_of(carrier_[1], j, k, three);
+    const Rows w = three ? rows_of(carrier_[2], j, k, three) : Rows{};
+    const double* __restrict w_bottom_north = three ? carrier_[2].row(j + 1, k - 1) : nullptr;
     const Rows p = rows_of(pressure_, j, k, three);
     const double nu = weights_.viscosity;
     const double y_over = block_.axis[1].inverse_control_width[j], z_over = block_.axis[2].inverse_width[k];
     const double nu_south = nu * block_.axis[1].inverse_width[j], nu_north = nu * block_.axis[1].inverse_width[j + 1];
-    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1], nu_top = nu * block_.axis[2].inverse_distance[k];
+    const double nu_bottom = nu * block_.axis[2].inverse_distance[k - 1],
+                 nu_top = nu * block_.axis[2].inverse_distance[k];
     const double low = block_.axis[1].share[j], high = 1 - low;
     update_row(1, begin, end, j, k, [&](int i, double& slope) {
-      const double here = v.here[i];
-      const double east = flux(low * u.here[i] + high * u.north[i], here, v.here[i + 1], nu * inverse_distance[i]);
+      const double here = q.here[i];
+      const double east = flux(low * u.here[i] + high * u.north[i], here, q.here[i + 1], nu * inverse_distance[i]);
       const double west =
-          flux(low * u.here[i - 1] + high * u.north[i - 1], v.here[i - 1], here, nu * inverse_distance[i - 1]);
-      const double north = flux(0.5 * (here + v.north[i]), here, v.north[i], nu_north);
-      const double south = flux(0.5 * (v.south[i] + here), v.south[i], here, nu_south);
+          flux(low * u.here[i - 1] + high * u.north[i - 1], q.here[i - 1], here, nu * inverse_distance[i - 1]);
+      const double north = flux(0.5 * (v.here[i] + v.north[i]), here, q.north[i], nu_north);
+      const double south = flux(0.5 * (v.south[i] + v.here[i]), q.south[i], here, nu_south);
       double out = (east - west) * inverse_width[i] + (north - south) * y_over;
       if constexpr (three) {
-        const double top = flux(low * w.here[i] + high * w.north[i], here, v.top[i], nu_top);
-        const double bottom = flux(low * w.bottom[i] + high * w_bottom_north[i], v.bottom[i], here, nu_bottom);
+        const double top = flux(low * w.here[i] + high * w.north[i], here, q.top[i], nu_top);
+        const double bottom = flux(low * w.bottom[i] + high * w_bottom_north[i], q.bottom[i], here, nu_bottom);
         out += (top - bottom) * z_over;
       }
       slope = (p.north[i] - p.here[i]) * y_over;
@@ -101,24 +112,26 @@ class MomentumSweep {
     const AxisMetrics& x = block_.axis[0];
     const double* __restrict inverse_width = x.inverse_width.from_zero();
     const double* __restrict inverse_distance = x.inverse_distance.from_zero();
-    const Rows u = rows_of(velocity_[0], j, k, true), v = rows_of(velocity_[1], j, k, true);
-    const Rows w = rows_of(velocity_[2], j, k, true);
-    const double* __restrict v_south_top = velocity_[1].row(j - 1, k + 1);
+    const Rows q = rows_of(velocity_[2], j, k, true);
+    const Rows u = rows_of(carrier_[0], j, k, true), v = rows_of(carrier_[1], j, k, true);
+    const Rows w = rows_of(carrier_[2], j, k, true);
+    const double* __restrict v_south_top = carrier_[1].row(j - 1, k + 1);
     const Rows p = rows_of(pressure_, j, k, true);
     const double nu = weights_.viscosity;
     const double y_over = block_.axis[1].inverse_width[j], z_over = block_.axis[2].inverse_control_width[k];
-    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1], nu_north = nu * block_.axis[1].inverse_distance[j];
+    const double nu_south = nu * block_.axis[1].inverse_distance[j - 1],
+                 nu_north = nu * block_.axis[1].inverse_distance[j];
     const double nu_bottom = nu * block_.axis[2].inverse_width[k], nu_top = nu * block_.axis[2].inverse_width[k + 1];
     const double low = block_.axis[2].share[k], high = 1 - low;
     update_row(2, begin, end, j, k, [&](int i, double& slope) {
-      const double here = w.here[i];
-      const double east = flux(low * u.here[i] + high * u.top[i], here, w.here[i + 1], nu * inverse_distance[i]);
+      const double here = q.here[i];
+      const double east = flux(low * u.here[i] + high * u.top[i], here, q.here[i + 1], nu * inverse_distance[i]);
       const double west =
-          flux(low * u.here[i - 1] + high * u.top[i - 1], w.here[i - 1], here, nu * inverse_distance[i - 1]);
-      const double north = flux(low * v.here[i] + high * v.top[i], here, w.north[i], nu_north);
-      const double south = flux(low * v.south[i] + high * v_south_top[i], w.south[i], here, nu_south);
-      const double top = flux(0.5 * (here + w.top[i]), here, w.top[i], nu_top);
-      const double bottom = flux(0.5 * (w.bottom[i] + here), w.bottom[i], here, nu_bottom);
+          flux(low * u.here[i - 1] + high * u.top[i - 1], q.here[i - 1], here, nu * inverse_distance[i - 1]);
+      const double north = flux(low * v.here[i] + high * v.top[i], here, q.north[i], nu_north);
+      const double south = flux(low * v.south[i] + high * v_south_top[i], q.south[i], here, nu_south);
+      const double top = flux(0.5 * (w.here[i] + w.top[i]), here, q.top[i], nu_top);
+      const double bottom = flux(0.5 * (w.bottom[i] + w.here[i]), q.bottom[i], here, nu_bottom);
       slope = (p.top[i] - p.here[i]) * z_over;
       return -((east - west) * inverse_width[i] + (north - south) * y_over + (top - bottom) * z_over);
     });
@@ -146,6 +159,7 @@ class MomentumSweep {
 
   const FlowBlock& block_;
   const MomentumWeights& weights_;
+  const std::array<Field<double>, 3>& carrier_;
   const std::array<Field<double>, 3>& velocity_;
   const Field<double>& pressure_;
   const std::array<Field<double>, 3>* rate_before_;
@@ -174,20 +188,22 @@ void sweep_rows(const FlowBlock& block, const Box& part, Sweep sweep) {
 }  // namespace
 
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
-                      const std::array<Field<double>, 3>& velocity, const Field<double>& pressure,
+                      const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
+                      const Field<double>& pressure,
                       const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
                       std::array<Field<double>, 3>& new_velocity) {
-  const auto with = [&]<int n_dimensions, bool reads_before, bool stores_rate>() {
+  const auto with = [&]<int n_dimensions, bool is_own_carrier, bool reads_before, bool stores_rate>() {
     sweep_rows(block, part,
-               MomentumSweep<n_dimensions, reads_before, stores_rate>(block, weights, velocity, pressure, rate_before,
-                                                                       rate, new_velocity));
+               MomentumSweep<n_dimensions, is_own_carrier, reads_before, stores_rate>(
+                   block, weights, carrier, velocity, pressure, rate_before, rate, new_velocity));
   };
   const auto with_dimensions = [&]<int n_dimensions>() {
     const bool reads = weights.before != 0, stores = rate != nullptr;
-    if (reads && stores) with.template operator()<n_dimensions, true, true>();
-    if (reads && !stores) with.template operator()<n_dimensions, true, false>();
-    if (!reads && stores) with.template operator()<n_dimensions, false, true>();
-    if (!reads && !stores) with.template operator()<n_dimensions, false, false>();
+    if (&carrier != &velocity) return with.template operator()<n_dimensions, false, false, false>();
+    if (reads && stores) with.template operator()<n_dimensions, true, true, true>();
+    if (reads && !stores) with.template operator()<n_dimensions, true, true, false>();
+    if (!reads && stores) with.template operator()<n_dimensions, true, false, true>();
+    if (!reads && !stores) with.template operator()<n_dimensions, true, false, false>();
   };
   if (block.n_dimensions == 3) {
     with_dimensions.template operator()<3>();

@@ -4,8 +4,8 @@ namespace couplet::flow {
 
 AxisMetrics make_axis_metrics(const StretchedAxis& axis, int begin, int end) {
   const int n = end - begin;
-  AxisMetrics metrics{AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n),
-                      AxisValues(n)};
+  AxisMetrics metrics{AxisValues(n), AxisValues(n), AxisValues(n), AxisValues(n),
+                      AxisValues(n), AxisValues(n), AxisValues(n)};
   const auto width = [&](int cell) {
     return axis.is_periodic() || (cell >= 0 && cell < axis.n_cells()) ? axis.width(cell) : 0.0;
   };

@@ -13,8 +13,7 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
   const Box& mine = decomposition.mine();
   block.sizes = mine.sizes();
   block.ghosts = {2, 2, block.n_dimensions == 3 ? 2 : 0};
-  for (int d = 0; d < 3; ++d)
-    block.axis[d] = make_axis_metrics(setup.grid.axis[d], mine.begin[d], mine.end[d]);
+  for (int d = 0; d < 3; ++d) block.axis[d] = make_axis_metrics(setup.grid.axis[d], mine.begin[d], mine.end[d]);
 
   const Triple n_cells = setup.grid.n_cells();
   const std::array<bool, 3> is_periodic = setup.grid.is_periodic();
@@ -30,7 +29,10 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
     return !setup.is_fluid || setup.is_fluid(centre);
   };
   const Box all = box_of(block.sizes);
-  block.cells = setup.is_fluid ? ActiveCells::where(all, [&](int i, int j, int k) { return is_fluid({i, j, k}); })
+  block.cells = setup.is_fluid ? ActiveCells::where(all,
+                                                    [&](int i, int j, int k) {
+                                                      return is_fluid({i, j, k});
+                                                    })
                                : ActiveCells::all(all);
   for (int d = 0; d < block.n_dimensions; ++d) {
     Box range = all;
@@ -48,8 +50,10 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
   return block;
 }
 
-PressureProblem make_pressure_problem(const NavierStokesSetup& setup, const FlowBlock& block, const FlowBorder& border) {
-  PressureProblem problem{.grid = block.grid, .decomposition = block.decomposition, .border_is_open = {}, .open_share = {}};
+PressureProblem make_pressure_problem(const NavierStokesSetup& setup, const FlowBlock& block,
+                                      const FlowBorder& border) {
+  PressureProblem problem{
+      .grid = block.grid, .decomposition = block.decomposition, .border_is_open = {}, .open_share = {}};
   bool needs_faces = static_cast<bool>(setup.is_fluid);
   for (int d = 0; d < block.n_dimensions; ++d)
     for (int side = 0; side < 2; ++side) {

@@ -17,8 +17,8 @@ enum class RateKind {
 };
 
 /// Two ghost layers in every direction of the flow, of which the inner one is filled. velocity[d] stands on the faces
-/// normal to direction d: entry (i, j, k) is the face between the cell (i, j, k) and the next one in direction d. In two
-/// dimensions the fields of the third direction are empty.
+/// normal to direction d: entry (i, j, k) is the face between the cell (i, j, k) and the next one in direction d. In
+/// two dimensions the fields of the third direction are empty.
 struct FlowState {
   double time = 0;                                              // of the velocity [s]
   double pressure_time = 0;                                     // half a step behind it [s]
@@ -29,7 +29,7 @@ struct FlowState {
   double courant_rate = std::numeric_limits<double>::quiet_NaN();
   double largest_speed = std::numeric_limits<double>::quiet_NaN();
   RateKind rate_kind = RateKind::none;
-  std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none, ghosts are not filled
+  std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none
 };
 
 }  // namespace couplet::flow

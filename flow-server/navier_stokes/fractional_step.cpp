@@ -8,6 +8,7 @@
 #include "flow-server/boundary/flow_border.hpp"
 #include "flow-server/grid/halo_exchange.hpp"
 #include "flow-server/momentum/explicit_momentum.hpp"
+#include "flow-server/momentum/implicit_momentum.hpp"
 #include "flow-server/navier_stokes/flow_domain.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
 #include "flow-server/navier_stokes/step_limit.hpp"
@@ -71,11 +72,16 @@ void append(AdvanceReport& all, AdvanceReport step) {
 
 struct FractionalStep::Parts {
   Parts(NavierStokesSetup given, const BlockDecomposition& blocks)
-      : setup(std::move(given)), decomposition(blocks),
+      : setup(std::move(given)),
+        decomposition(blocks),
         border(checked(setup, blocks).grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
-        block(make_flow_block(setup, blocks, border)), exchange(blocks),
-        solver(make_pressure_solver(make_pressure_problem(setup, block, border), setup.pressure.method)),
-        source(block.new_field()), phi(block.new_field()), nu(setup.viscosity / setup.density),
+        block(make_flow_block(setup, blocks, border)),
+        exchange(blocks),
+        problem(make_pressure_problem(setup, block, border)),
+        solver(make_pressure_solver(problem, setup.pressure.method)),
+        source(block.new_field()),
+        phi(block.new_field()),
+        nu(setup.viscosity / setup.density),
         diffusion(diffusion_rate(setup.grid, nu)) {
     inner = box_of(block.sizes);
     for (int d = 0; d < block.n_dimensions; ++d) {
@@ -89,12 +95,14 @@ struct FractionalStep::Parts {
     }
   }
 
-  bool keeps_rate() const { return setup.scheme != TimeScheme::runge_kutta; }
   void shape(FlowState& state) const;
   StepRates rates_of(const FlowState& state);
   void predict(const FlowState& from, double dt, TimeScheme scheme, FlowState& to);
   void predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to);
-  void predict_by_runge_kutta(const FlowState& from, double dt, FlowState& to);
+  void predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to);
+  void predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to);
+  void damp_openings(double dt, const FlowState& from, VectorField& velocity) const;
+  void combine(const VectorField& a, double factor, const VectorField& b, VectorField& sum) const;
   AdvanceReport project(const FlowState& from, double dt, FlowState& to);
   void take_divergence_of(VectorField& velocity, double factor);
   SolveReport solve_pressure(const SolveLimits& limits);
@@ -117,13 +125,15 @@ struct FractionalStep::Parts {
   FlowBorder border;
   FlowBlock block;
   HaloExchange exchange;
+  PressureProblem problem;  // outlives its solver
   std::unique_ptr<PressureSolver> solver;
   Field<double> source, phi;
   double nu, diffusion;
   double smallest_width = std::numeric_limits<double>::infinity();
-  Box inner;              // cells whose stencils need no ghosts
+  Box inner;  // cells whose stencils need no ghosts
   bool has_other_ranks = false;
-  VectorField stage;  // of Runge-Kutta
+  std::unique_ptr<ImplicitMomentum> implicit;  // Crank-Nicolson only
+  VectorField stage;  // of Runge-Kutta; the convecting velocity of Crank-Nicolson
   VectorField rate;   // of Runge-Kutta
   FlowState spare;    // of several steps in one interval
   std::int64_t n_reductions = 0;
@@ -154,7 +164,8 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   for (double done = 0; done < duration;) {
     // Planned once; again where the flow has become faster than the plan allows.
     const StepRates rates = parts.rates_of(*from);
-    if (plan.n_steps == 0 || (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
+    if (plan.n_steps == 0 ||
+        (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
     const double dt = (duration - done) / plan.n_steps;
     if (dt < parts.setup.step.smallest) parts.refuse_step(*from, dt);
@@ -174,25 +185,33 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   return all;
 }
 
-/// The velocity of the end of the step but for its divergence: with the pressure gradient of the step before.
+/// The velocity of the end of the step but for its divergence: with the pressure gradient of the step before. Leaves in
+/// the end state what the scheme will want to know of this step.
 void FractionalStep::Parts::predict(const FlowState& from, double dt, TimeScheme scheme, FlowState& to) {
   border.begin_step(from.velocity);
   border.set_pressure_time(from.time + 0.5 * dt);
   // Without memory, or where the step has grown a lot, Adams-Bashforth starts anew.
   const bool extrapolates = from.rate_kind == RateKind::of_momentum && dt <= largest_step_ratio * from.last_step;
-  if (scheme == TimeScheme::adams_bashforth && extrapolates) {
+  if (scheme == TimeScheme::crank_nicolson) {
+    predict_by_crank_nicolson(from, dt, to);
+  } else if (scheme == TimeScheme::adams_bashforth && extrapolates) {
     predict_by_adams_bashforth(from, dt, to);
   } else {
-    predict_by_runge_kutta(from, dt, to);
+    predict_by_runge_kutta(from, dt, scheme == TimeScheme::adams_bashforth, to);
   }
 }
 
 /// u* = u + dt [(1 + r/2) R(u_n) - r/2 R(u_{n-1}) - grad p / rho + f], r = dt_n / dt_{n-1}
 void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to) {
+  if (to.rate[0].is_empty()) to.rate = block.new_vector_field();
+  stage = VectorField{}, rate = VectorField{};  // what Runge-Kutta needed to start
   const double r = dt / from.last_step, middle = from.time + 0.5 * dt;
-  const MomentumWeights weights{.now = (1 + 0.5 * r) * dt, .before = -0.5 * r * dt, .pressure = dt / setup.density,
-                                .impulse = impulse(middle, dt), .viscosity = nu};
-  advance_momentum(block, everything(), weights, from.velocity, from.pressure, &from.rate, &to.rate, to.velocity);
+  const MomentumWeights weights{.now = (1 + 0.5 * r) * dt,
+                                .before = -0.5 * r * dt,
+                                .pressure = dt / setup.density,
+                                .impulse = impulse(middle, dt),
+                                .viscosity = nu};
+  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &from.rate, &to.rate, to.velocity);
   add_force(middle, dt, false, to.velocity);
   border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
   border.set_time(from.time + dt, dt, from.velocity);
@@ -200,26 +219,30 @@ void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, do
   to.rate_kind = RateKind::of_momentum;
 }
 
-/// Three stages with the pressure gradient of the step before and one projection at the end, second order in all [Le and
-/// Moin, J. Comput. Phys. 92 (1991) 369-379].
-void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double dt, FlowState& to) {
+/// Three stages with the pressure gradient of the step before and one projection at the end, second order in all [Le
+/// and Moin, J. Comput. Phys. 92 (1991) 369-379].
+void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to) {
   if (stage[0].is_empty()) stage = block.new_vector_field();
   if (rate[0].is_empty()) rate = block.new_vector_field();
   // The rate of the first stage is the memory of Adams-Bashforth.
-  VectorField& first_rate = keeps_rate() ? to.rate : rate;
+  if (keeps_rate && to.rate[0].is_empty()) to.rate = block.new_vector_field();
+  VectorField& first_rate = keeps_rate ? to.rate : rate;
   double elapsed = 0;
   for (std::size_t s = 0; s < 3; ++s) {
     const double part = (gamma[s] + zeta[s]) * dt, middle = from.time + elapsed + 0.5 * part;
-    const MomentumWeights weights{.now = gamma[s] * dt, .before = zeta[s] * dt, .pressure = part / setup.density,
-                                  .impulse = impulse(middle, part), .viscosity = nu};
+    const MomentumWeights weights{.now = gamma[s] * dt,
+                                  .before = zeta[s] * dt,
+                                  .pressure = part / setup.density,
+                                  .impulse = impulse(middle, part),
+                                  .viscosity = nu};
     VectorField& fresh = s == 1 ? stage : to.velocity;
     if (s == 0) {
-      advance_momentum(block, everything(), weights, from.velocity, from.pressure, nullptr, &first_rate, fresh);
+      advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, nullptr, &first_rate, fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage;
       around_exchange(old, true, [&](const Box& box) {
-        advance_momentum(block, box, weights, old, from.pressure, s == 1 ? &first_rate : &rate, s == 1 ? &rate : nullptr,
-                         fresh);
+        advance_momentum(block, box, weights, old, old, from.pressure, s == 1 ? &first_rate : &rate,
+                         s == 1 ? &rate : nullptr, fresh);
       });
     }
     add_force(middle, part, false, fresh);
@@ -228,24 +251,91 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
     border.set_time(s == 2 ? from.time + dt : from.time + elapsed, elapsed, from.velocity);
     border.impose(fresh);
   }
-  to.rate_kind = keeps_rate() ? RateKind::of_momentum : RateKind::none;
+  to.rate_kind = keeps_rate ? RateKind::of_momentum : RateKind::none;
+}
+
+/// (1 + dt/2 L) (u* - u) = dt [-L u - grad p / rho + f], L being convection by U less diffusion and U the velocity
+/// extrapolated to the middle of the step.
+void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to) {
+  if (!implicit) implicit = std::make_unique<ImplicitMomentum>(block, border);
+  if (stage[0].is_empty()) stage = block.new_vector_field();
+  VectorField& carrier = stage;
+  const bool extrapolates = from.rate_kind == RateKind::mean_acceleration;
+  const double middle = from.time + 0.5 * dt;
+  const MomentumWeights weights{
+      .now = dt, .before = 0, .pressure = dt / setup.density, .impulse = impulse(middle, dt), .viscosity = nu};
+  // Without memory the step is done twice, the second time with the mean of both velocities.
+  for (int pass = extrapolates ? 1 : 0; pass < 2; ++pass) {
+    if (extrapolates) {
+      combine(from.velocity, 0.5 * dt, from.rate, carrier);
+    } else if (pass == 0) {
+      combine(from.velocity, 0, from.velocity, carrier);
+    } else {
+      exchange.exchange(pointers(to.velocity), 1);
+      border.fill_velocity_ghosts(to.velocity);
+      combine(from.velocity, -0.5, from.velocity, carrier);
+      combine(carrier, 0.5, to.velocity, carrier);
+    }
+    border.set_time(from.time, 0, from.velocity);
+    border.remember();
+    border.set_time(from.time + dt, dt, from.velocity);
+
+    advance_momentum(block, everything(), weights, carrier, from.velocity, from.pressure, nullptr, nullptr, to.velocity);
+    add_force(middle, dt, false, to.velocity);
+    border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
+    damp_openings(dt, from, to.velocity);
+    border.impose(to.velocity);
+    combine(to.velocity, -1, from.velocity, to.velocity);
+    implicit->solve(0.5 * dt, nu, carrier, to.velocity);
+    combine(to.velocity, 1, from.velocity, to.velocity);
+  }
+  to.rate_kind = RateKind::mean_acceleration;
+}
+
+/// Faces of an opening are no part of the lines: they take the explicit change over 1 + dt/2 times a bound of the
+/// eigenvalue of L there, which is stable with any step and first order in time on these faces.
+void FractionalStep::Parts::damp_openings(double dt, const FlowState& from, VectorField& velocity) const {
+  for (int d = 0; d < block.n_dimensions; ++d)
+    for (int side = 0; side < 2; ++side) {
+      if (!border.is_partly_open(d, side) || !decomposition.is_at_border(d, side)) continue;
+      Box face = box_of(block.sizes);
+      face.begin[d] = side == 0 ? -1 : block.sizes[d] - 1;
+      face.end[d] = face.begin[d] + 1;
+      for (int k = face.begin[2]; k < face.end[2]; ++k)
+        for (int j = face.begin[1]; j < face.end[1]; ++j)
+          for (int i = face.begin[0]; i < face.end[0]; ++i) {
+            const Triple cell{i, j, k};
+            double bound = 0;
+            for (int e = 0; e < block.n_dimensions; ++e) {
+              const int place = e == d && side == 0 ? 0 : cell[e];
+              const double over = block.axis[e].inverse_width[place];
+              bound += 4 * nu * over * over + (e == d ? 2 * std::abs(from.velocity[d](i, j, k)) * over : 0);
+            }
+            const double old = from.velocity[d](i, j, k);
+            double& fresh = velocity[d](i, j, k);
+            fresh = old + (fresh - old) / (1 + 0.5 * dt * bound);
+          }
+    }
 }
 
 /// div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
   const double speed = std::isfinite(from.largest_speed) ? from.largest_speed : 0;
-  const double source_of_tolerance =
-      setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
+  const double source_of_tolerance = setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
-    solved = solve_pressure({setup.pressure.relative_tolerance, source_of_tolerance, setup.pressure.largest_iterations});
+    solved =
+        solve_pressure({setup.pressure.relative_tolerance, source_of_tolerance, setup.pressure.largest_iterations});
   } catch (const report::NumericsError&) {
     require_finite(to.velocity, from.time + dt);  // a better sentence, where that is the reason
     throw;
   }
+  // With implicit diffusion p += phi - mu/2 div u*: u* has felt the gradient of phi less than u has [D. L. Brown,
+  // R. Cortez, M. L. Minion, J. Comput. Phys. 168 (2001) 464-499, eq. 72].
+  const double viscous_factor = to.rate_kind == RateKind::mean_acceleration ? 0.5 * nu * dt : 0;
   const FlowMeasure measure =
-      reduce(correct(block, dt / setup.density, phi, 0, source, from.pressure, to.pressure, to.velocity),
+      reduce(correct(block, dt / setup.density, phi, viscous_factor, source, from.pressure, to.pressure, to.velocity),
              decomposition.communicator());
   n_reductions += 2;
   to.time = from.time + dt;
@@ -254,6 +344,11 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
   to.courant_rate = measure.courant_rate;
   to.largest_speed = measure.speed;
   finish_state(to);
+  if (to.rate_kind == RateKind::mean_acceleration) {
+    if (to.rate[0].is_empty()) to.rate = block.new_vector_field();
+    combine(to.velocity, -1, from.velocity, to.rate);
+    combine(to.rate, 1 / dt - 1, to.rate, to.rate);
+  }
 
   if (!std::isfinite(measure.divergence_sum)) require_finite(to.velocity, to.time);
   if (measure.divergence * smallest_width > largest_divergence * measure.speed)
@@ -261,11 +356,16 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
                                     text(measure.speed) + " m/s on cells of " + text(smallest_width) + " m",
                                 "allow more iterations, a smaller tolerance or a smaller step");
-  return {.n_steps = 1, .smallest_step = dt, .courant = std::max(from.courant_rate, to.courant_rate) * dt,
-          .largest_speed = measure.speed, .divergence = measure.divergence,
-          .divergence_rms = measure.divergence_rms(), .pressure_iterations = solved.iterations,
+  return {.n_steps = 1,
+          .smallest_step = dt,
+          .courant = std::max(from.courant_rate, to.courant_rate) * dt,
+          .largest_speed = measure.speed,
+          .divergence = measure.divergence,
+          .divergence_rms = measure.divergence_rms(),
+          .pressure_iterations = solved.iterations,
           .pressure_residual = solved.source_norm > 0 ? solved.true_residual / solved.source_norm : 0,
-          .net_inflow = border.net_inflow(), .scheme = {}};
+          .net_inflow = border.net_inflow(),
+          .scheme = {}};
 }
 
 void FractionalStep::Parts::take_divergence_of(VectorField& velocity, double factor) {
@@ -306,6 +406,7 @@ void FractionalStep::fill_ghosts(FlowState& state) {
   parts.border.set_time(state.time, 0, state.velocity);
   parts.border.impose(state.velocity, false);
   parts.finish_state(state);
+  if (state.rate_kind == RateKind::mean_acceleration) parts.exchange.exchange(parts.pointers(state.rate), 1);
   state.courant_rate = state.largest_speed = std::numeric_limits<double>::quiet_NaN();
 }
 
@@ -318,11 +419,13 @@ void FractionalStep::Parts::set_initial_velocity(FlowState& state) {
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
           const Triple cell{i, j, k};
-          const bool is_on_border = (cell[d] == -1) || (cell[d] == block.sizes[d] - 1 && decomposition.is_at_border(d, 1));
+          const bool is_on_border =
+              (cell[d] == -1) || (cell[d] == block.sizes[d] - 1 && decomposition.is_at_border(d, 1));
           if (!is_on_border && !block.faces[d].contains(i, j, k)) continue;
           Point place;
           for (int e = 0; e < 3; ++e)
-            place[e] = e == d ? setup.grid.axis[e].face(origin[e] + cell[e] + 1) : setup.grid.axis[e].centre(origin[e] + cell[e]);
+            place[e] = e == d ? setup.grid.axis[e].face(origin[e] + cell[e] + 1)
+                              : setup.grid.axis[e].centre(origin[e] + cell[e]);
           state.velocity[d](i, j, k) = setup.initial_velocity[d].at(place, 0);
         }
   }
@@ -333,10 +436,10 @@ void FractionalStep::Parts::set_initial_velocity(FlowState& state) {
   take_divergence_of(state.velocity, 1);
   const FlowMeasure given = reduce(measure(block, state.velocity), decomposition.communicator());
   if (!std::isfinite(given.divergence_sum)) require_finite(state.velocity, 0);
-  solve_pressure({initial_tolerance, setup.pressure.divergence_tolerance * given.speed / smallest_width,
-                  initial_iterations});
-  const FlowMeasure measured =
-      reduce(correct(block, 1, phi, 0, source, state.pressure, state.pressure, state.velocity), decomposition.communicator());
+  solve_pressure(
+      {initial_tolerance, setup.pressure.divergence_tolerance * given.speed / smallest_width, initial_iterations});
+  const FlowMeasure measured = reduce(correct(block, 1, phi, 0, source, state.pressure, state.pressure, state.velocity),
+                                      decomposition.communicator());
   n_reductions += 4;
   state.courant_rate = measured.courant_rate;
   state.largest_speed = measured.speed;
@@ -354,10 +457,10 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
       for (int j = 0; j < block.sizes[1]; ++j)
         for_each_interval(block.cells, j, k, 0, block.sizes[0], [&](int begin, int end) {
           for (int i = begin; i < end; ++i)
-            state.pressure(i, j, k) = setup.initial_pressure.at({setup.grid.axis[0].centre(origin[0] + i),
-                                                                 setup.grid.axis[1].centre(origin[1] + j),
-                                                                 setup.grid.axis[2].centre(origin[2] + k)},
-                                                                0);
+            state.pressure(i, j, k) = setup.initial_pressure.at(
+                {setup.grid.axis[0].centre(origin[0] + i), setup.grid.axis[1].centre(origin[1] + j),
+                 setup.grid.axis[2].centre(origin[2] + k)},
+                0);
         });
     finish_state(state);
     return;
@@ -366,7 +469,7 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
   border.fill_velocity_ghosts(state.velocity);
   VectorField slope = block.new_vector_field(), unused = block.new_vector_field();
   const MomentumWeights weights{.now = 1, .before = 0, .pressure = 0, .impulse = {}, .viscosity = nu};
-  advance_momentum(block, everything(), weights, state.velocity, state.pressure, nullptr, &slope, unused);
+  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope, unused);
   add_force(0, 1, true, slope);
   border.add_pressure_change(1 / setup.density, state.pressure, slope);
   // Known velocities of the border: their change over a time that is short for the flow.
@@ -376,8 +479,9 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
   solve_pressure({initial_tolerance, 0, initial_iterations});
   for (int k = 0; k < block.sizes[2]; ++k)
     for (int j = 0; j < block.sizes[1]; ++j)
-      for_each_interval(block.cells, j, k, 0, block.sizes[0],
-                        [&](int begin, int end) { std::copy(phi.row(j, k) + begin, phi.row(j, k) + end, state.pressure.row(j, k) + begin); });
+      for_each_interval(block.cells, j, k, 0, block.sizes[0], [&](int begin, int end) {
+        std::copy(phi.row(j, k) + begin, phi.row(j, k) + end, state.pressure.row(j, k) + begin);
+      });
   finish_state(state);
 }
 
@@ -386,7 +490,6 @@ void FractionalStep::Parts::shape(FlowState& state) const {
     state.pressure = block.new_field();
     state.velocity = block.new_vector_field();
   }
-  if (keeps_rate() && state.rate[0].is_empty()) state.rate = block.new_vector_field();
 }
 
 StepRates FractionalStep::Parts::rates_of(const FlowState& state) {
@@ -447,6 +550,18 @@ void FractionalStep::Parts::add_force(double time, double weight, bool with_unif
   }
 }
 
+/// a + factor * b, ghosts included; the sum may be a or b.
+void FractionalStep::Parts::combine(const VectorField& a, double factor, const VectorField& b, VectorField& sum) const {
+  for (int d = 0; d < block.n_dimensions; ++d) {
+    const double* first = a[d].data();
+    const double* second = b[d].data();
+    double* result = sum[d].data();
+    const std::size_t n = a[d].n_values();
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < n; ++i) result[i] = first[i] + factor * second[i];
+  }
+}
+
 std::vector<Field<double>*> FractionalStep::Parts::pointers(VectorField& fields) const {
   std::vector<Field<double>*> result;
   for (int d = 0; d < block.n_dimensions; ++d) result.push_back(&fields[d]);
@@ -470,11 +585,13 @@ void FractionalStep::Parts::require_finite(const VectorField& velocity, double t
       for (int i = block.sizes[0] - 1; i >= 0; --i)
         for (int d = 0; d < block.n_dimensions; ++d)
           if (!std::isfinite(velocity[d](i, j, k)))
-            first = origin[0] + i + static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
+            first = origin[0] + i +
+                    static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_LONG, MPI_MIN, decomposition.communicator());
   if (first == none) return;
   const long row = first / n_cells[0];
-  const Triple cell{static_cast<int>(first % n_cells[0]), static_cast<int>(row % n_cells[1]), static_cast<int>(row / n_cells[1])};
+  const Triple cell{static_cast<int>(first % n_cells[0]), static_cast<int>(row % n_cells[1]),
+                    static_cast<int>(row / n_cells[1])};
   throw report::NumericsError(place_of(cell), "the velocity at t = " + text(time) + " s is not a number",
                               "look for values that are not numbers in borders and forces, or take smaller steps");
 }
@@ -494,7 +611,8 @@ void FractionalStep::Parts::refuse_step(const FlowState& state, double step) con
         for (int d = 0; d < block.n_dimensions; ++d) {
           Triple before{i, j, k};
           --before[d];
-          const double here = std::max(std::abs(state.velocity[d](i, j, k)), std::abs(state.velocity[d](before[0], before[1], before[2])));
+          const double here = std::max(std::abs(state.velocity[d](i, j, k)),
+                                       std::abs(state.velocity[d](before[0], before[1], before[2])));
           demand += here * block.axis[d].inverse_width[Triple{i, j, k}[d]];
           square += here * here;
         }
@@ -516,9 +634,11 @@ void FractionalStep::Parts::refuse_step(const FlowState& state, double step) con
 
 std::size_t FractionalStep::n_bytes() const {
   const Parts& parts = *parts_;
-  std::size_t n = parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
+  std::size_t n =
+      parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
   for (int d = 0; d < 3; ++d)
-    n += parts.stage[d].n_bytes() + parts.rate[d].n_bytes() + parts.spare.velocity[d].n_bytes() + parts.spare.rate[d].n_bytes();
+    n += parts.stage[d].n_bytes() + parts.rate[d].n_bytes() + parts.spare.velocity[d].n_bytes() +
+         parts.spare.rate[d].n_bytes();
   return n;
 }
 
@@ -526,6 +646,7 @@ Traffic FractionalStep::traffic() const {
   const Parts& parts = *parts_;
   Traffic all = parts.solver->traffic();
   all += parts.exchange.traffic();
+  if (parts.implicit) all += parts.implicit->traffic();
   all.reductions += parts.n_reductions + parts.border.reductions();
   return all;
 }

@@ -31,7 +31,8 @@ class RowMeasure {
 #pragma GCC ivdep
     for (int i = begin; i < end; ++i) {
       double div = (u[i] - u[i - 1]) * inverse_width[i] + (v[i] - v_south[i]) * y_over;
-      const double u_here = larger(std::abs(u[i]), std::abs(u[i - 1])), v_here = larger(std::abs(v[i]), std::abs(v_south[i]));
+      const double u_here = larger(std::abs(u[i]), std::abs(u[i - 1])),
+                   v_here = larger(std::abs(v[i]), std::abs(v_south[i]));
       double rate = u_here * inverse_width[i] + v_here * y_over, square = u_here * u_here + v_here * v_here;
       if constexpr (three) {
         div += (w[i] - w_bottom[i]) * z_over;
@@ -60,8 +61,12 @@ class RowMeasure {
   }
 
  private:
-  std::size_t n() const { return static_cast<std::size_t>(block_.sizes[0]); }
-  static double larger(double a, double b) { return a > b ? a : b; }
+  std::size_t n() const {
+    return static_cast<std::size_t>(block_.sizes[0]);
+  }
+  static double larger(double a, double b) {
+    return a > b ? a : b;
+  }
 
   const FlowBlock& block_;
   std::vector<double> courant_, speed_, divergence_, squares_;
@@ -126,8 +131,8 @@ double FlowMeasure::divergence_rms() const {
   return volume > 0 ? std::sqrt(divergence_sum / volume) : 0;
 }
 
-void take_divergence(const FlowBlock& block, const Box& part, double factor, const std::array<Field<double>, 3>& velocity,
-                     Field<double>& source) {
+void take_divergence(const FlowBlock& block, const Box& part, double factor,
+                     const std::array<Field<double>, 3>& velocity, Field<double>& source) {
   const double* __restrict inverse_width = block.axis[0].inverse_width.from_zero();
   const bool three = block.n_dimensions == 3;
   for (int k = part.begin[2]; k < part.end[2]; ++k)

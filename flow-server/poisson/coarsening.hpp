@@ -12,10 +12,10 @@ namespace couplet::flow {
 /// The cells of one direction on one level, and the one-dimensional second difference on them:
 /// (A phi)_i = lower(i) (phi_{i-1} - phi_i) + upper(i) (phi_{i+1} - phi_i).
 struct LevelAxis {
-  std::vector<double> width;                  // (n_cells) [m]
-  bool is_periodic = false;                   //
-  bool has_terms = true;                      // not along z in two dimensions
-  std::array<bool, 2> border_is_open{};       // side 0: start, 1: end
+  std::vector<double> width;             // (n_cells) [m]
+  bool is_periodic = false;              //
+  bool has_terms = true;                 // not along z in two dimensions
+  std::array<bool, 2> border_is_open{};  // side 0: start, 1: end
 
   int n_cells() const { return static_cast<int>(width.size()); }
   double lower(int i) const;  // 1 / (width * distance between centres), half a cell at an open border [1/m^2]
@@ -41,7 +41,7 @@ struct LevelPlan {
   Triple n_cells(int level) const;
 };
 
-/// Two neighbours are merged where together they are at most three times as wide as the smallest cell of the level in
+/// Two neighbours are merged where together they are at most four times as wide as the smallest cell of the level in
 /// any direction that can still be merged; a cell left over joins a pair. So cells become cubes before they become
 /// larger, and a point smoother does. A periodic direction keeps an even number of cells, at least 4, so that red and
 /// black alternate across its ends. Ends where a level has at most `coarsest_size` cells.

@@ -26,8 +26,8 @@ class CoarsestSolve {
 
   std::vector<Cell> cells_;
   Eigen::VectorXd volume_;
-  std::vector<int> part_;            // (n_cells) which connected part of the fluid
-  std::vector<bool> part_is_open_;   // has it an open border?
+  std::vector<int> part_;           // (n_cells) which connected part of the fluid
+  std::vector<bool> part_is_open_;  // has it an open border?
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors_;
   Eigen::VectorXd right_hand_side_, solution_;
 };

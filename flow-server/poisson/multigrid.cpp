@@ -71,7 +71,8 @@ FaceFractions copied_shares(const FaceFractions& given, const BlockDecomposition
   FaceFractions share;
   const Triple sizes = blocks.mine().sizes(), layer = one_layer(axes);
   for (int d = 0; d < 3; ++d) {
-    share[d] = Field<float>(sizes, {layer[0] * multigrid_depth, layer[1] * multigrid_depth, layer[2] * multigrid_depth});
+    share[d] =
+        Field<float>(sizes, {layer[0] * multigrid_depth, layer[1] * multigrid_depth, layer[2] * multigrid_depth});
     if (!blocks.has_cells()) continue;
     for (int k = -layer[2]; k < sizes[2]; ++k)
       for (int j = -layer[1]; j < sizes[1]; ++j)

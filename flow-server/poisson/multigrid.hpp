@@ -23,7 +23,8 @@ class Multigrid {
   explicit Multigrid(const PressureProblem& problem);
 
   /// On the blocks of the problem: the right-hand side, to be filled on the cells of the rank, and the correction that
-  /// cycle() leaves, with at least one ghost layer, which is filled. Where borders are closed it is free up to a constant.
+  /// cycle() leaves, with at least one ghost layer, which is filled. Where borders are closed it is free up to a
+  /// constant.
   Field<float>& rhs() { return entry_ ? entry_->rhs : levels_.front()->rhs; }
   Field<float>& correction() { return entry_ ? entry_->phi : levels_.front()->phi; }
 

@@ -5,12 +5,23 @@
 
 namespace couplet::flow {
 
+/// What the sweep over one row needs besides the row itself.
+struct MultigridLevel::RowCoefficients {
+  const float *x_lower, *x_upper, *x_sum;
+  float y_lower, y_upper, z_lower, z_upper;
+  std::ptrdiff_t before_y, after_y, before_z, after_z;  // to the same cell of the rows and planes beside this one
+  // with shares: of the faces at the end of the cell; those at its start stand one entry, row, plane before
+  const float *x_share, *y_share, *z_share;
+  std::ptrdiff_t share_to_y, share_to_z;
+  const float* inverse_diagonal;
+};
+
 namespace {
 
 constexpr int depth = multigrid_depth;
 constexpr int n_half_sweeps = 4;
-// Yavneh, "On red-black SOR smoothing in multigrid", SIAM J. Sci. Comput. 17 (1996): a little over-relaxation halves the
-// convergence factor of red-black smoothing in three dimensions.
+// Yavneh, "On red-black SOR smoothing in multigrid", SIAM J. Sci. Comput. 17 (1996): a little over-relaxation halves
+// the convergence factor of red-black smoothing in three dimensions.
 constexpr float over_relaxation = 1.15f;
 
 /// The same address, of which the compiler does not know that it is the same: a row that is read at neighbours and
@@ -21,35 +32,24 @@ inline const float* hidden(const float* row) {
   return row;
 }
 
-/// What the sweep over one row needs besides the row itself.
-struct RowCoefficients {
-  const float *x_lower, *x_upper, *x_sum;
-  float y_lower, y_upper, z_lower, z_upper;
-  std::ptrdiff_t to_y, to_z;  // to the same cell of the next row and plane
-  // with shares: of the faces at the end of the cell; those at its start stand one entry, row, plane before
-  const float *x_share, *y_share, *z_share;
-  std::ptrdiff_t share_to_y, share_to_z;
-  const float* inverse_diagonal;
-};
-
 /// Sum of coefficient times neighbour.
-template <bool has_share>
-inline float neighbour_sum(const RowCoefficients& a, const float* c, int i) {
+template <bool has_share, class Coefficients>
+inline float neighbour_sum(const Coefficients& a, const float* c, int i) {
   if constexpr (has_share) {
     return a.x_lower[i] * a.x_share[i - 1] * c[i - 1] + a.x_upper[i] * a.x_share[i] * c[i + 1] +
-           a.y_lower * a.y_share[i - a.share_to_y] * c[i - a.to_y] + a.y_upper * a.y_share[i] * c[i + a.to_y] +
-           a.z_lower * a.z_share[i - a.share_to_z] * c[i - a.to_z] + a.z_upper * a.z_share[i] * c[i + a.to_z];
+           a.y_lower * a.y_share[i - a.share_to_y] * c[i + a.before_y] + a.y_upper * a.y_share[i] * c[i + a.after_y] +
+           a.z_lower * a.z_share[i - a.share_to_z] * c[i + a.before_z] + a.z_upper * a.z_share[i] * c[i + a.after_z];
   } else {
-    return a.x_lower[i] * c[i - 1] + a.x_upper[i] * c[i + 1] + a.y_lower * c[i - a.to_y] + a.y_upper * c[i + a.to_y] +
-           a.z_lower * c[i - a.to_z] + a.z_upper * c[i + a.to_z];
+    return a.x_lower[i] * c[i - 1] + a.x_upper[i] * c[i + 1] + a.y_lower * c[i + a.before_y] +
+           a.y_upper * c[i + a.after_y] + a.z_lower * c[i + a.before_z] + a.z_upper * c[i + a.after_z];
   }
 }
 
 /// One colour of the cells begin <= i < end of a row: omega[i] is the over-relaxation there and 0 at the other colour.
-template <bool starts_at_zero, bool has_share>
+template <bool starts_at_zero, bool has_share, class Coefficients>
 void relax_row(float* __restrict out, const float* __restrict c, const float* __restrict f,
-               const float* __restrict omega, const RowCoefficients& coefficients, int begin, int end) {
-  const RowCoefficients a = coefficients;
+               const float* __restrict omega, const Coefficients& coefficients, int begin, int end) {
+  const Coefficients a = coefficients;
   const float yz_sum = (a.y_lower + a.y_upper) + (a.z_lower + a.z_upper);
 #pragma GCC ivdep
   for (int i = begin; i < end; ++i) {
@@ -71,10 +71,10 @@ void relax_row(float* __restrict out, const float* __restrict c, const float* __
   }
 }
 
-template <bool has_share>
+template <bool has_share, class Coefficients>
 void residual_row(float* __restrict out, const float* __restrict c, const float* __restrict f,
-                  const RowCoefficients& coefficients, int begin, int end) {
-  const RowCoefficients a = coefficients;
+                  const Coefficients& coefficients, int begin, int end) {
+  const Coefficients a = coefficients;
   const float yz_sum = (a.y_lower + a.y_upper) + (a.z_lower + a.z_upper);
 #pragma GCC ivdep
   for (int i = begin; i < end; ++i) {
@@ -147,11 +147,13 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
       decomposition_(&decomposition),
       halo_(decomposition),
       sizes_(decomposition.mine().sizes()),
+      share_(std::move(share)),
       active_(ActiveCells::all({})) {
   if (!decomposition.has_cells()) return;
   Triple ghosts;
   for (int d = 0; d < 3; ++d) {
     ghosts[d] = axes_[d].has_terms ? depth : 0;
+    wraps_[d] = d < 2 && axes_[d].has_terms && axes_[d].is_periodic && decomposition.shape()[d] == 1;
     const int begin = decomposition.mine().begin[d];
     for (int i = -depth; i < sizes_[d] + depth; ++i) {
       const int global = wrapped(begin + i, axes_[d]);
@@ -164,11 +166,10 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
   rhs = Field<float>(sizes_, ghosts);
   for (int i = 0; i < sizes_[0] + 2 * depth + 2; ++i) pattern_.push_back(i % 2 == 0 ? over_relaxation : 0);
   residual_row_.resize(static_cast<std::size_t>(sizes_[0]));
-  if (!share) {
+  if (!share_) {
     active_ = ActiveCells::all(range(depth));
     return;
   }
-  share_ = std::move(share);
   halo_.exchange<float>({&(*share_)[0], &(*share_)[1], &(*share_)[2]}, depth);
   // The face before the outermost ghost cell is known to the owner of the cell only, hence the exchange.
   inverse_diagonal_ = Field<float>(sizes_, ghosts);
@@ -189,14 +190,13 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
         inverse_diagonal_(i, j, k) = sum > 0 ? static_cast<float>(1 / sum) : 0.0f;
       }
   halo_.exchange<float>({&inverse_diagonal_}, depth);
-  active_ = ActiveCells::where(range(depth),
-                               [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });
+  active_ = ActiveCells::where(range(depth), [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });
 }
 
 Box MultigridLevel::range(int layers) const {
   Box box = box_of(sizes_);
   for (int d = 0; d < 3; ++d) {
-    if (!axes_[d].has_terms) continue;
+    if (!axes_[d].has_terms || wraps_[d]) continue;
     if (!decomposition_->is_at_border(d, 0)) box.begin[d] -= layers;
     if (!decomposition_->is_at_border(d, 1)) box.end[d] += layers;
   }
@@ -240,40 +240,50 @@ void MultigridLevel::join(const std::array<Merging, 3>& merging, const std::arra
   slope_row_.resize(static_cast<std::size_t>(merging_[0].n_coarse) + 2);
 }
 
+template <bool has_share>
+MultigridLevel::RowCoefficients MultigridLevel::coefficients_at(int j, int k) const {
+  const auto at_j = static_cast<std::size_t>(j + depth), at_k = static_cast<std::size_t>(k + depth);
+  RowCoefficients a{};
+  a.x_lower = lower_[0].data() + depth, a.x_upper = upper_[0].data() + depth, a.x_sum = sum_[0].data() + depth;
+  a.y_lower = lower_[1][at_j], a.y_upper = upper_[1][at_j];
+  a.z_lower = lower_[2][at_k], a.z_upper = upper_[2][at_k];
+  const std::ptrdiff_t stride_y = axes_[1].has_terms ? phi.stride_y() : 0;
+  const std::ptrdiff_t stride_z = axes_[2].has_terms ? phi.stride_z() : 0;
+  const int last = sizes_[1] - 1;
+  a.before_y = wraps_[1] && j == 0 ? last * stride_y : -stride_y;
+  a.after_y = wraps_[1] && j == last ? -last * stride_y : stride_y;
+  a.before_z = -stride_z, a.after_z = stride_z;
+  if constexpr (has_share) {
+    a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
+    a.share_to_y = stride_y, a.share_to_z = stride_z;
+    a.inverse_diagonal = inverse_diagonal_.row(j, k);
+  }
+  return a;
+}
+
 template <bool starts_at_zero, bool has_share>
 void MultigridLevel::relax_plane(int k, const Box& cells, int colour) {
   if (k < cells.begin[2] || k >= cells.end[2]) return;
   const Triple& first = decomposition_->mine().begin;
-  RowCoefficients a{};
-  a.x_lower = lower_[0].data() + depth, a.x_upper = upper_[0].data() + depth, a.x_sum = sum_[0].data() + depth;
-  a.z_lower = lower_[2][static_cast<std::size_t>(k + depth)], a.z_upper = upper_[2][static_cast<std::size_t>(k + depth)];
-  a.to_y = axes_[1].has_terms ? phi.stride_y() : 0, a.to_z = axes_[2].has_terms ? phi.stride_z() : 0;
-  a.share_to_y = a.to_y, a.share_to_z = a.to_z;
   for (int j = cells.begin[1]; j < cells.end[1]; ++j) {
-    a.y_lower = lower_[1][static_cast<std::size_t>(j + depth)], a.y_upper = upper_[1][static_cast<std::size_t>(j + depth)];
+    const RowCoefficients a = coefficients_at<has_share>(j, k);
     float* out = phi.row(j, k);
     const float* f = rhs.row(j, k);
     const float* omega = pattern_.data() + depth + ((first[0] + first[1] + j + first[2] + k + colour) & 1);
     if constexpr (has_share) {
-      a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
-      a.inverse_diagonal = inverse_diagonal_.row(j, k);
       for (const Interval& interval : active_.row(j, k))
         relax_row<starts_at_zero, true>(out, hidden(out), f, omega, a, std::max(interval.begin, cells.begin[0]),
                                         std::min(interval.end, cells.end[0]));
     } else {
       relax_row<starts_at_zero, false>(out, hidden(out), f, omega, a, cells.begin[0], cells.end[0]);
     }
+    if (wraps_[0]) out[-1] = out[sizes_[0] - 1], out[sizes_[0]] = out[0];
   }
 }
 
 template <bool has_share>
 void MultigridLevel::restrict_plane(int k, Field<float>& coarse_rhs) {
   if (k < 0 || k >= sizes_[2]) return;
-  RowCoefficients a{};
-  a.x_lower = lower_[0].data() + depth, a.x_upper = upper_[0].data() + depth, a.x_sum = sum_[0].data() + depth;
-  a.z_lower = lower_[2][static_cast<std::size_t>(k + depth)], a.z_upper = upper_[2][static_cast<std::size_t>(k + depth)];
-  a.to_y = axes_[1].has_terms ? phi.stride_y() : 0, a.to_z = axes_[2].has_terms ? phi.stride_z() : 0;
-  a.share_to_y = a.to_y, a.share_to_z = a.to_z;
   const int K = merging_[2].coarse[static_cast<std::size_t>(k)];
   const bool begins_z = k == 0 || merging_[2].coarse[static_cast<std::size_t>(k - 1)] != K;
   float* residual = residual_row_.data();
@@ -284,10 +294,8 @@ void MultigridLevel::restrict_plane(int k, Field<float>& coarse_rhs) {
       std::fill(coarse, coarse + merging_[0].n_coarse, 0.0f);
     const auto intervals = active_.row(j, k);
     if (intervals.empty()) continue;
-    a.y_lower = lower_[1][static_cast<std::size_t>(j + depth)], a.y_upper = upper_[1][static_cast<std::size_t>(j + depth)];
+    const RowCoefficients a = coefficients_at<has_share>(j, k);
     if constexpr (has_share) {
-      a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
-      a.inverse_diagonal = inverse_diagonal_.row(j, k);
       std::fill(residual_row_.begin(), residual_row_.end(), 0.0f);
       for (const Interval& interval : intervals)
         residual_row<true>(residual, phi.row(j, k), rhs.row(j, k), a, std::max(interval.begin, 0),

@@ -23,11 +23,11 @@ struct BlockMerging {
   struct Run {
     int first_fine, first_coarse, n_coarse, group_size;
   };
-  std::vector<Run> runs;             // of coarse cells that hold equally many fine ones
-  std::vector<int> coarse;           // (n) of each fine cell
-  std::vector<float> share;          // (n) width of the fine cell over that of the coarse one
-  std::vector<int> neighbour;        // (n) the coarse cell on the other side of the fine centre
-  std::vector<float> weight;         // (n) of that neighbour in linear interpolation between coarse centres
+  std::vector<Run> runs;       // of coarse cells that hold equally many fine ones
+  std::vector<int> coarse;     // (n) of each fine cell
+  std::vector<float> share;    // (n) width of the fine cell over that of the coarse one
+  std::vector<int> neighbour;  // (n) the coarse cell on the other side of the fine centre
+  std::vector<float> weight;   // (n) of that neighbour in linear interpolation between coarse centres
   int n_coarse = 0;
 };
 
@@ -70,8 +70,9 @@ class MultigridLevel {
 
  private:
   Box range(int depth) const;  // local cells and ghosts that other blocks (or their images) own
+  struct RowCoefficients;
   template <bool has_share>
-  void set_up_diagonal();
+  RowCoefficients coefficients_at(int j, int k) const;
   template <bool starts_at_zero, bool has_share>
   void relax_plane(int k, const Box& range, int colour);
   template <bool has_share>
@@ -85,6 +86,9 @@ class MultigridLevel {
   const BlockDecomposition* decomposition_;
   HaloExchange halo_;
   Triple sizes_;
+  // A periodic direction with one block needs no work in ghost layers: the first row is the last one's neighbour. Not
+  // along z, in which half-sweeps follow one another.
+  std::array<bool, 3> wraps_{};
   std::array<std::vector<float>, 3> lower_, upper_, sum_;  // (n + 2 * depth) coefficients from the first ghost on
   std::vector<float> pattern_;                             // over-relaxation at even places, 0 at odd ones
   std::optional<FaceFractions> share_;

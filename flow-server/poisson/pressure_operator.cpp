@@ -105,8 +105,18 @@ double PressureOperator::residual_of(const Field<double>& source, double mean, c
   std::vector<double> row(static_cast<std::size_t>(std::max(sizes_[0], 0)));
   for (int k = 0; k < sizes_[2]; ++k)
     for (int j = 0; j < sizes_[1]; ++j) {
-      RowOperator a{lower_[0].data(), upper_[0].data(), width_[0].data(), lower_[1][j], upper_[1][j], lower_[2][k],
-                    upper_[2][k], nullptr, nullptr, nullptr, 0, 0};
+      RowOperator a{lower_[0].data(),
+                    upper_[0].data(),
+                    width_[0].data(),
+                    lower_[1][j],
+                    upper_[1][j],
+                    lower_[2][k],
+                    upper_[2][k],
+                    nullptr,
+                    nullptr,
+                    nullptr,
+                    0,
+                    0};
       if constexpr (has_share) {
         a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
         a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();
@@ -134,8 +144,18 @@ DirectionSums PressureOperator::direction_sums_of(const Field<float>& z, const F
   const std::ptrdiff_t p_to_y = layer_[1] * p.stride_y(), p_to_z = layer_[2] * p.stride_z();
   for (int k = 0; k < sizes_[2]; ++k)
     for (int j = 0; j < sizes_[1]; ++j) {
-      RowOperator a{lower_[0].data(), upper_[0].data(), width_[0].data(), lower_[1][j], upper_[1][j], lower_[2][k],
-                    upper_[2][k], nullptr, nullptr, nullptr, 0, 0};
+      RowOperator a{lower_[0].data(),
+                    upper_[0].data(),
+                    width_[0].data(),
+                    lower_[1][j],
+                    upper_[1][j],
+                    lower_[2][k],
+                    upper_[2][k],
+                    nullptr,
+                    nullptr,
+                    nullptr,
+                    0,
+                    0};
       if constexpr (has_share) {
         a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
         a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();
@@ -177,8 +197,18 @@ double PressureOperator::advance_of(const Field<float>& z, double beta, double a
     const int k = front - 1;
     if (k < 0) continue;
     for (int j = 0; j < sizes_[1]; ++j) {
-      RowOperator a{lower_[0].data(), upper_[0].data(), width_[0].data(), lower_[1][j], upper_[1][j], lower_[2][k],
-                    upper_[2][k], nullptr, nullptr, nullptr, 0, 0};
+      RowOperator a{lower_[0].data(),
+                    upper_[0].data(),
+                    width_[0].data(),
+                    lower_[1][j],
+                    upper_[1][j],
+                    lower_[2][k],
+                    upper_[2][k],
+                    nullptr,
+                    nullptr,
+                    nullptr,
+                    0,
+                    0};
       if constexpr (has_share) {
         a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
         a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();

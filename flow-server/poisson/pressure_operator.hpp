@@ -12,9 +12,9 @@ namespace couplet::flow {
 
 /// Sums over the cells of this rank.
 struct DirectionSums {
-  double correction_residual = 0;     // <z, r>
-  double correction_operator = 0;     // <z, A z>
-  double correction_conjugate = 0;    // <z, A p>
+  double correction_residual = 0;   // <z, r>
+  double correction_operator = 0;   // <z, A z>
+  double correction_conjugate = 0;  // <z, A p>
 };
 
 /// A phi = div grad phi. Ghosts of phi beyond a border of the whole must be 0; ghosts at neighbours filled.
@@ -40,8 +40,7 @@ class PressureOperator {
 
  private:
   template <bool has_share>
-  double residual_of(const Field<double>& source, double mean, const Field<double>& phi,
-                     Field<double>* residual) const;
+  double residual_of(const Field<double>& source, double mean, const Field<double>& phi, Field<double>* residual) const;
   template <bool has_share>
   DirectionSums direction_sums_of(const Field<float>& z, const Field<double>& r, const Field<float>& p) const;
   template <bool has_share>

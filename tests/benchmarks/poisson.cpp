@@ -1,4 +1,5 @@
-// bench poisson: the pressure equation on uniform and stretched boxes: time per cell and solve beside the true residual.
+// bench poisson: the pressure equation on uniform and stretched boxes: time per cell and solve beside the true
+// residual.
 
 #include <mpi.h>
 #include <unistd.h>
@@ -37,8 +38,10 @@ struct Case {
 
 std::vector<Case> all_cases(int n_ranks_most) {
   std::vector<Case> cases;
-  const std::vector<Case> grids = {{{128, 128, 128}, 1, true},   {{128, 128, 128}, 1, false},
-                                   {{400, 130, 130}, 6, false},  {{128, 128, 128}, 20, false},
+  const std::vector<Case> grids = {{{128, 128, 128}, 1, true},
+                                   {{128, 128, 128}, 1, false},
+                                   {{400, 130, 130}, 6, false},
+                                   {{128, 128, 128}, 20, false},
                                    {{256, 256, 256}, 1, false}};
   for (const Case& grid : grids)
     for (const char* solver : {"multigrid", "fast_diagonalisation", "hypre_pfmg_cg"})
@@ -71,7 +74,11 @@ Case case_of(const std::string& text) {
   if (words.size() < 7)
     throw couplet::report::SceneError("--case", "needs nx,ny,nz,stretch,periodic,solver,tolerance...");
   Case c{{std::stoi(words[0]), std::stoi(words[1]), std::stoi(words[2])},
-         std::stod(words[3]), words[4] == "1", words[5], 1, {}};
+         std::stod(words[3]),
+         words[4] == "1",
+         words[5],
+         1,
+         {}};
   for (std::size_t w = 6; w < words.size(); ++w) c.tolerances.push_back(std::stod(words[w]));
   return c;
 }
@@ -117,8 +124,9 @@ std::vector<Json> solve_case(const Case& c) {
   for_all([&](double& value, const Triple& cell) {
     const double x = grid.axis[0].centre(cell[0]) / grid.axis[0].length(), y = grid.axis[1].centre(cell[1]),
                  z = grid.axis[2].centre(cell[2]);
-    value = std::cos(M_PI * x) * std::cos(2 * M_PI * y) * std::cos(M_PI * z) + 0.5 * std::sin(7 * x + 3 * y) * z +
-            noise(static_cast<std::uint64_t>((static_cast<std::int64_t>(cell[2]) * c.n[1] + cell[1]) * c.n[0] + cell[0]));
+    value =
+        std::cos(M_PI * x) * std::cos(2 * M_PI * y) * std::cos(M_PI * z) + 0.5 * std::sin(7 * x + 3 * y) * z +
+        noise(static_cast<std::uint64_t>((static_cast<std::int64_t>(cell[2]) * c.n[1] + cell[1]) * c.n[0] + cell[0]));
     sums[0] += value * grid.volume(cell), sums[1] += grid.volume(cell);
   });
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
@@ -127,8 +135,8 @@ std::vector<Json> solve_case(const Case& c) {
   const double n_cells = static_cast<double>(c.n[0]) * c.n[1] * c.n[2];
   std::vector<Json> rows;
   double set_up = MPI_Wtime();
-  const auto solver = make_pressure_solver(problem, c.solver == "multigrid" ? PressureMethod::multigrid
-                                                                            : PressureMethod::fast_diagonalisation);
+  const auto solver = make_pressure_solver(
+      problem, c.solver == "multigrid" ? PressureMethod::multigrid : PressureMethod::fast_diagonalisation);
   set_up = MPI_Wtime() - set_up;
   for (const double tolerance : c.tolerances) {
     double least = 1e30;
@@ -207,7 +215,8 @@ int run(int argc, char** argv) {
   int n_ranks_most = 2;
   app.add_option("--json", json, "write the rows there");
   app.add_option("--ranks", n_ranks_most, "measure with 1, 2, 4 ... ranks up to this");
-  app.add_option("--case", one_case, "nx,ny,nz,stretch,periodic (0 or 1),solver,tolerance...: one case, on the ranks of this mpirun");
+  app.add_option("--case", one_case,
+                 "nx,ny,nz,stretch,periodic (0 or 1),solver,tolerance...: one case, on the ranks of this mpirun");
   app.add_flag("--about", says_about, "say in one line what is measured");
   CLI11_PARSE(app, argc, argv);
   if (says_about) {
