@@ -77,11 +77,8 @@ void write_navier_stokes_checkpoint(const std::filesystem::path& path, const Flo
   for (int d = 0; d < grid.n_dimensions; ++d)
     write_field(file, component("velocity", d), state.velocity[d], decomposition, d);
   write_field(file, "pressure", state.pressure, decomposition, -1);
-  for (int d = 0; d < grid.n_dimensions; ++d) {
-    int has_rate = state.rate[d].is_empty() ? 0 : 1;  // a rank without cells has none, others do
-    MPI_Allreduce(MPI_IN_PLACE, &has_rate, 1, MPI_INT, MPI_MAX, decomposition.communicator());
-    if (has_rate == 1) write_field(file, component("rate", d), state.rate[d], decomposition, d);
-  }
+  for (int d = 0; d < grid.n_dimensions && state.rate_kind != RateKind::none; ++d)
+    write_field(file, component("rate", d), state.rate[d], decomposition, d);
   file.close();
 }
 
