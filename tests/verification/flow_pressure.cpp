@@ -162,6 +162,10 @@ std::vector<std::pair<std::string, Case>> invariance_cases() {
   Case flat{{stretched(74, 3), stretched(58, 2), {0.0, 0.1}}, 2};
   flat.is_periodic = {true, false, false};
   all.emplace_back("two dimensions", flat);
+  Case around{{stretched(37, 3), stretched(58, 2), {0.0, 0.1}}, 2};
+  around.is_periodic = {false, true, false};
+  around.border_is_open[0] = {false, true};
+  all.emplace_back("two dimensions, periodic along y", around);
   return all;
 }
 
