@@ -38,7 +38,8 @@ inline float neighbour_sum(const Coefficients& a, const float* c, int i) {
 }
 
 /// One colour of the cells begin <= i < end of a row: omega[i] is the over-relaxation there and 0 at the other colour.
-/// `out` is another row: written in place, each vector would have to wait for the one before, whose last value it reads.
+/// `out` is another row: written in place, each vector would have to wait for the one before, whose last value it
+/// reads.
 template <bool starts_at_zero, bool has_share, class Coefficients>
 void relax_row(float* __restrict out, const float* __restrict c, const float* __restrict f,
                const float* __restrict omega, const Coefficients& coefficients, int begin, int end) {
@@ -181,7 +182,7 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
           sum += axes_[d].lower(mine.begin[d] + cell[d]) * open(before[0], before[1], before[2]) +
                  axes_[d].upper(mine.begin[d] + cell[d]) * open(i, j, k);
         }
-        inverse_diagonal_(i, j, k) = sum > 0 ? static_cast<float>(1 / sum) : 0.0f;
+        if (sum > 0) inverse_diagonal_(i, j, k) = static_cast<float>(1 / sum);
       }
   halo_.exchange<float>({&inverse_diagonal_}, depth);
   active_ = ActiveCells::where(range(depth), [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });

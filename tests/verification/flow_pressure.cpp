@@ -235,7 +235,9 @@ TEST(PressureInvariance, RanksWithoutCellsAndSmallGridsAreNoException) {
   Case medium{{stretched(24, 2), stretched(30, 1), stretched(26, 3)}};
   medium.border_is_open[1] = {true, false};
   Case holes = medium;
-  holes.is_fluid = [](double x, double y, double z) { return std::sin(9 * x) + std::sin(11 * y) + std::sin(7 * z) < 1.5; };
+  holes.is_fluid = [](double x, double y, double z) {
+    return std::sin(9 * x) + std::sin(11 * y) + std::sin(7 * z) < 1.5;
+  };
   for (const Case& c : {small, medium, holes})
     for (const PressureMethod method : {PressureMethod::multigrid, PressureMethod::automatic}) {
       const Triple shape = c.n_dimensions == 2 ? Triple{1, std::max(1, n_ranks() / 2), 1}
