@@ -35,7 +35,8 @@ class FastDiagonalisation : public PressureSolver {
     Eigen::VectorXd eigenvalue;              // (n) rising, none positive [1/m^2]
   };
   static Spectrum spectrum_of(const LevelAxis& axis);
-  void transform_planes(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y_transposed);
+  void transform_planes(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y);
+  bool holds_constant(int j) const;  // as its last value
   void solve_tridiagonal(int j);
   void solve_by_spectrum(int j);
   /// right_hand_side_ becomes the solution.
@@ -46,16 +47,17 @@ class FastDiagonalisation : public PressureSolver {
   const BlockDecomposition* decomposition_;
   PressureOperator operator_;
   std::array<LevelAxis, 3> axes_;
+  int last_;  // direction of the tridiagonal systems: z, in two dimensions y
   HaloExchange halo_;
   bool is_singular_ = false;
-  double volume_ = 0;           // of all cells [m^3]
-  Spectrum x_, y_, z_;          // z_ where z is periodic
-  Box planes_box_, lines_box_;  // of this rank: whole in x and y; whole in x and z
+  double volume_ = 0;            // of all cells [m^3]
+  Spectrum x_, y_, along_last_;  // y_ in three dimensions; the last where it is periodic
+  Box planes_box_, lines_box_;   // of this rank: whole in all directions but the last; but the one before
   std::unique_ptr<Redistribution> to_planes_, planes_to_lines_, lines_to_planes_, from_planes_;  // none: one rank
   Field<double> planes_, lines_;
-  Field<double> right_hand_side_;   // on the blocks of the problem
-  Eigen::MatrixXd product_;         // (nx, ny) or (nx, nz)
-  std::vector<double> eliminated_;  // (nx, nz)
+  Field<double> right_hand_side_;  // on the blocks of the problem
+  Eigen::MatrixXd product_;
+  std::vector<double> eliminated_;  // (nx, n of the last direction)
   Traffic reductions_;
 };
 

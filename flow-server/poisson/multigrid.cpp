@@ -76,7 +76,8 @@ FaceFractions copied_shares(const FaceFractions& given, const BlockDecomposition
     if (!blocks.has_cells()) continue;
     for (int k = -layer[2]; k < sizes[2]; ++k)
       for (int j = -layer[1]; j < sizes[1]; ++j)
-        for (int i = -layer[0]; i < sizes[0]; ++i) share[d](i, j, k) = given[d](i, j, k);
+        for (int i = -layer[0]; i < sizes[0]; ++i)
+          if (given[d](i, j, k) > 0) share[d](i, j, k) = given[d](i, j, k);  // what is not written takes no memory
   }
   return share;
 }
@@ -128,6 +129,18 @@ std::array<LevelAxis, 3> finest_axes(const PressureProblem& problem) {
     axes[d].border_is_open = problem.open_share ? std::array<bool, 2>{true, true} : problem.border_is_open[d];
   }
   return axes;
+}
+
+std::array<Partition, 3> suitable_partitions(const StretchedGrid& grid, const Triple& shape) {
+  PressureProblem problem;
+  problem.grid = &grid;
+  const std::array<LevelAxis, 3> axes = finest_axes(problem);
+  if (can_colour(axes)) {
+    const std::vector<Partition> aligned = aligned_partitions(plan_levels(axes), 0, shape);
+    if (!aligned.empty()) return {aligned[0], aligned[1], aligned[2]};
+  }
+  const Triple n = grid.n_cells();
+  return {equal_parts(n[0], shape[0], 1), equal_parts(n[1], shape[1], 1), equal_parts(n[2], shape[2], 1)};
 }
 
 Multigrid::Passage::Passage(const RankBoxes& over, const BlockDecomposition& blocks,
