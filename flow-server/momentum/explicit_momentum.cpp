@@ -26,9 +26,10 @@ class MomentumSweep {
  public:
   static constexpr bool three = n_dimensions == 3;
 
-  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
-                std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity)
+  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& carrier,
+                const std::array<Field<double>, 3>& velocity, const Field<double>& pressure,
+                const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
+                std::array<Field<double>, 3>& new_velocity)
       : block_(block),
         weights_(weights),
         carrier_(is_own_carrier ? velocity : carrier),
@@ -189,9 +190,8 @@ void sweep_rows(const FlowBlock& block, const Box& part, Sweep sweep) {
 
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
                       const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                      const Field<double>& pressure,
-                      const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
-                      std::array<Field<double>, 3>& new_velocity) {
+                      const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
+                      std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity) {
   const auto with = [&]<int n_dimensions, bool is_own_carrier, bool reads_before, bool stores_rate>() {
     sweep_rows(block, part,
                MomentumSweep<n_dimensions, is_own_carrier, reads_before, stores_rate>(

@@ -5,7 +5,11 @@
 namespace couplet::flow {
 
 ImplicitMomentum::ImplicitMomentum(const FlowBlock& block, const FlowBorder& border)
-    : block_(block), border_(border), lower_(block.new_field()), diagonal_(block.new_field()), upper_(block.new_field()) {
+    : block_(block),
+      border_(border),
+      lower_(block.new_field()),
+      diagonal_(block.new_field()),
+      upper_(block.new_field()) {
   for (int d = 0; d < block.n_dimensions; ++d) lines_[d] = std::make_unique<LineSolver>(*block.decomposition, d);
 }
 
@@ -48,8 +52,9 @@ void ImplicitMomentum::fill_rows(int c, int d, double half_step, double viscosit
 #pragma GCC ivdep
           for (int i = begin; i < end; ++i) {
             const int n = d == 0 ? i : cell[d];
-            set(i, 0.5 * (speed[i - step] + speed[i]), 0.5 * (speed[i] + speed[i + step]), along.inverse_control_width[n],
-                viscosity * along.inverse_width[n], viscosity * along.inverse_width[n + 1]);
+            set(i, 0.5 * (speed[i - step] + speed[i]), 0.5 * (speed[i] + speed[i + step]),
+                along.inverse_control_width[n], viscosity * along.inverse_width[n],
+                viscosity * along.inverse_width[n + 1]);
           }
         } else {
           const AxisMetrics& across = block_.axis[c];
@@ -83,16 +88,17 @@ void ImplicitMomentum::close_rows(int c, int d, const std::array<Field<double>, 
         }
     return;
   }
-  border_.visit_tangential(c, d, carrier, [&](const Triple& cell, int side, const GhostWeights& ghost, double border_change) {
-    if (cell[c] < 0) return;
-    Field<double>& outward = side == 0 ? lower_ : upper_;
-    Field<double>& inward = side == 0 ? upper_ : lower_;
-    double& coefficient = outward(cell[0], cell[1], cell[2]);
-    change(cell[0], cell[1], cell[2]) -= coefficient * ghost.border * border_change;
-    diagonal_(cell[0], cell[1], cell[2]) += coefficient * ghost.first;
-    inward(cell[0], cell[1], cell[2]) += coefficient * ghost.second;
-    coefficient = 0;
-  });
+  border_.visit_tangential(c, d, carrier,
+                           [&](const Triple& cell, int side, const GhostWeights& ghost, double border_change) {
+                             if (cell[c] < 0) return;
+                             Field<double>& outward = side == 0 ? lower_ : upper_;
+                             Field<double>& inward = side == 0 ? upper_ : lower_;
+                             double& coefficient = outward(cell[0], cell[1], cell[2]);
+                             change(cell[0], cell[1], cell[2]) -= coefficient * ghost.border * border_change;
+                             diagonal_(cell[0], cell[1], cell[2]) += coefficient * ghost.first;
+                             inward(cell[0], cell[1], cell[2]) += coefficient * ghost.second;
+                             coefficient = 0;
+                           });
 }
 
 Traffic ImplicitMomentum::traffic() const {

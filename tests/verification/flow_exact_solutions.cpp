@@ -69,7 +69,7 @@ TEST_P(FlowOrder, InSpace) {
 
 INSTANTIATE_TEST_SUITE_P(Schemes, FlowOrder,
                          testing::Combine(testing::Values(TimeScheme::adams_bashforth, TimeScheme::runge_kutta,
-                                          TimeScheme::crank_nicolson),
+                                                          TimeScheme::crank_nicolson),
                                           testing::Values(1.0, 3.0)));
 
 }  // namespace
