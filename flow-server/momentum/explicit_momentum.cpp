@@ -186,6 +186,20 @@ void sweep_rows(const FlowBlock& block, const Box& part, Sweep sweep) {
       }
 }
 
+/// The part of the shear at walls inside the grid that the sweep does not see.
+void add_inner_walls(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
+                     const std::array<Field<double>, 3>& velocity, std::array<Field<double>, 3>* rate,
+                     std::array<Field<double>, 3>& new_velocity) {
+  for (int c = 0; c < block.n_dimensions; ++c)
+    for (const InnerWall& wall : block.inner_walls[c]) {
+      if (!part.contains(wall.cell)) continue;
+      const auto [i, j, k] = wall.cell;
+      const double slowing = -weights.viscosity * wall.coefficient * velocity[c](i, j, k);
+      new_velocity[c](i, j, k) += weights.now * slowing;
+      if (rate) (*rate)[c](i, j, k) += slowing;
+    }
+}
+
 }  // namespace
 
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
@@ -210,6 +224,7 @@ void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWei
   } else {
     with_dimensions.template operator()<2>();
   }
+  add_inner_walls(block, part, weights, velocity, rate, new_velocity);
 }
 
 }  // namespace couplet::flow

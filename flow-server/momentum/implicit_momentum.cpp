@@ -18,6 +18,7 @@ void ImplicitMomentum::solve(double half_step, double viscosity, const std::arra
   for (int c = 0; c < block_.n_dimensions; ++c)
     for (int d = block_.n_dimensions - 1; d >= 0; --d) {
       fill_rows(c, d, half_step, viscosity, carrier);
+      add_inner_walls(c, d, half_step, viscosity);
       close_rows(c, d, carrier, change[c]);
       lines_[d]->solve(lower_, diagonal_, upper_, change[c]);
     }
@@ -70,6 +71,13 @@ void ImplicitMomentum::fill_rows(int c, int d, double half_step, double viscosit
         }
       });
     }
+}
+
+/// More shear at walls inside the grid.
+void ImplicitMomentum::add_inner_walls(int c, int d, double half_step, double viscosity) {
+  for (const InnerWall& wall : block_.inner_walls[c])
+    if (wall.direction == d)
+      diagonal_(wall.cell[0], wall.cell[1], wall.cell[2]) += half_step * viscosity * wall.coefficient;
 }
 
 /// The ends of lines at borders: the known change there goes to the right side, the ghost into the matrix.

@@ -31,6 +31,7 @@ class ImplicitMomentum {
  private:
   void fill_rows(int component, int direction, double half_step, double viscosity,
                  const std::array<Field<double>, 3>& carrier);
+  void add_inner_walls(int component, int direction, double half_step, double viscosity);
   void close_rows(int component, int direction, const std::array<Field<double>, 3>& carrier, Field<double>& change);
 
   const FlowBlock& block_;

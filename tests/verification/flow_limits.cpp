@@ -134,6 +134,25 @@ TEST_P(ParallelFlow, BetweenOpeningsIsThatOfPoiseuilleFromRest) {
   EXPECT_LE(error_of(flow, state.pressure, -1, [&](const Point& p) { return drop - p[0]; }).largest, 1e-7 * drop);
 }
 
+TEST_P(ParallelFlow, BetweenStaircaseWallsIsSecondOrder) {
+  // The slit is part of the grid; its walls lie along cell faces at y = 0 and 1.
+  std::vector<double> errors;
+  for (const int n : {12, 24}) {
+    NavierStokesSetup setup = slit(uniform_faces(-0.25, 1.25, n), GetParam());
+    setup.is_fluid = [](const Point& p) { return p[1] > 0 && p[1] < 1; };
+    setup.body_force[0] = 3;
+    const BlockDecomposition blocks = decompose(setup.grid);
+    FractionalStep flow(setup, blocks);
+    const FlowState state = march(flow, 20, 100);
+    const auto exact = [&](const Point& p) {
+      return p[1] > 0 && p[1] < 1 ? 0.5 * 3 / setup.viscosity * p[1] * (1 - p[1]) : 0.0;
+    };
+    errors.push_back(error_of(flow, state.velocity[0], 0, exact).largest);
+  }
+  EXPECT_LE(errors[0], 0.06);  // the linear ghost shifts the parabola by G h^2 / (8 mu) = 0.059
+  EXPECT_GE(order_between(errors[0], errors[1]), 1.9);
+}
+
 /// u = Re{ G/(i w) (1 - cosh(k (y - 1/2)) / cosh(k/2)) e^{i w t} }, k^2 = i w / nu: the flow in a slit under G cos(w
 /// t).
 double womersley(double y, double t, double viscosity, double frequency) {
