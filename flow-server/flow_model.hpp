@@ -56,6 +56,9 @@ class FlowModel {
   /// after resume() it continues the files that are there.
   virtual void start_results(const std::filesystem::path& results_folder) = 0;
   virtual void append_results() = 0;
+
+  /// What the work so far has cost, for the summary of the run: cells, nanoseconds a cell and step, bytes a cell.
+  virtual std::vector<FlowQuantity> costs() const { return {}; }
 };
 
 }  // namespace couplet::flow

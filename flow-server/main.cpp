@@ -13,8 +13,11 @@ int serve_flow(int argc, char** argv) {
   couplet::participant::ServerProgram program;
   program.name = "flow-server";
   program.purpose = "Computes the force of an incompressible flow on a moving surface.";
-  program.make_participant = [](const couplet::participant::ServerOptions&) {
-    return std::make_unique<couplet::flow::FlowParticipant>();
+  program.make_participant = [](const couplet::participant::ServerOptions& options) {
+    return couplet::flow::make_flow_participant(options.ranks);
+  };
+  program.follow = [](const couplet::participant::ServerOptions& options) {
+    couplet::flow::follow_flow_participant(options.ranks);
   };
   program.estimate = couplet::flow::estimate_flow;
   return couplet::participant::run_server_program(program, argc, argv);

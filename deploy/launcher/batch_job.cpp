@@ -37,7 +37,7 @@ std::vector<std::string> run_command(const RunOptions& run, const Installation& 
     words.insert(words.end(), {option, value});
   };
   for (const std::string& setting : run.settings) add("--set", setting);
-  if (run.flow_ranks > 1) add("--flow-ranks", std::to_string(run.flow_ranks));
+  if (run.flow_ranks > 0) add("--flow-ranks", std::to_string(run.flow_ranks));
   if (run.solid_threads > 0) add("--solid-threads", std::to_string(run.solid_threads));
   if (!run.transport.empty()) add("--transport", run.transport);
   if (!run.resume.empty()) add("--resume", full_name(run.resume));
@@ -51,7 +51,8 @@ std::vector<std::string> run_command(const RunOptions& run, const Installation& 
 
 std::string batch_job_text(const BatchOptions& options, const Installation& installation) {
   const std::string out = full_name(options.run.out);
-  const int n_cpus = options.cpus > 0 ? options.cpus : std::max(2, options.run.flow_ranks + options.run.solid_threads);
+  const int n_needed = std::max(1, options.run.flow_ranks) + options.run.solid_threads;
+  const int n_cpus = options.cpus > 0 ? options.cpus : std::max(2, n_needed);
   std::ostringstream text;
   text << "#!/bin/bash\n#SBATCH --job-name=couplet-" << options.run.out.filename().string()
        << "\n#SBATCH --nodes=1\n#SBATCH --ntasks=1\n#SBATCH --cpus-per-task=" << n_cpus

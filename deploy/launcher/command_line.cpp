@@ -43,7 +43,8 @@ void add_scene_options(CLI::App& verb, RunOptions& run) {
 void add_run_options(CLI::App& verb, RunOptions& run) {
   add_scene_options(verb, run);
   verb.add_option("--out", run.out, "folder of the run; default runs/SCENE-DATE-TIME")->type_name("DIR");
-  verb.add_option("--flow-ranks", run.flow_ranks, "MPI ranks of the flow server")->check(CLI::Range(1, 1 << 20));
+  verb.add_option("--flow-ranks", run.flow_ranks, "MPI ranks of the flow server; default: as suits the grid")
+      ->check(CLI::Range(1, 1 << 20));
   verb.add_option("--solid-threads", run.solid_threads, "threads of the solid server")->check(CLI::Range(1, 4096));
   verb.add_option("--transport", run.transport, "how the programs talk; default: as the scene says")
       ->check(CLI::IsMember({"mpi", "zmq"}));

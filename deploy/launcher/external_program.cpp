@@ -14,7 +14,7 @@
 namespace couplet::launcher {
 
 ProgramResult run_and_catch(const std::vector<std::string>& command) {
-  ChildProcess process({command.front(), command, {}, {}}, {});
+  ChildProcess process({command.front(), command, {}, {}, {}}, {});
   ProgramResult result;
   const auto take = [](const std::vector<OutputLine>& lines, std::string& text) {
     for (const OutputLine& line : lines) text += line.text + "\n";

@@ -51,7 +51,7 @@ ProgramStart alone(const std::string& name, Words extra, const RunOptions& optio
   Words command{installation.program(name), "run"};
   add(command, run_arguments(options, run_folder));
   add(command, extra);
-  return {name, command, {}, {}};
+  return {name, command, {}, {}, {}};
 }
 
 std::string listen_address(const v1::Scene& scene, const std::filesystem::path& socket_folder,
@@ -72,34 +72,47 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
     if (scene.coupling().has_listen())
       add(command, {"--allow-remote"});  // the scene names the address: that is the permission
     if (name == "solid") add(command, thread_arguments(options));
-    plan.servers.push_back({program, command, {}, "--" + name});
+    plan.servers.push_back({program, command, {}, "--" + name, {}});
   }
   Words command{installation.program("coupler"), "run"};
   add(command, run_arguments(options, run_folder));
-  plan.leader = {"coupler", command, {}, {}};
+  plan.leader = {"coupler", command, {}, {}, {}};
   return plan;
 }
 
-/// One MPMD job. --bind-to none and yielding: the default would put waiting and working processes on the same core.
-LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
-                    const std::filesystem::path& run_folder) {
-  Words command{"mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output", "-n", "1"};
-  add(command, {installation.program("coupler"), "run"});
-  add(command, run_arguments(options, run_folder));
-  add(command, {"--transport", "mpi", ":", "-n", std::to_string(options.flow_ranks)});
-  add(command, {installation.program("flow-server"), "serve", "--transport", "mpi"});
-  add(command, scene_arguments(options));
-  add(command, {":", "-n", "1", installation.program("solid-server"), "serve", "--transport", "mpi"});
-  add(command, scene_arguments(options));
-  add(command, thread_arguments(options));
-  LaunchPlan plan;
-  plan.transport = "mpi";
-  plan.leader = {
+/// --bind-to none and yielding: the default would put waiting and working processes on the same core.
+ProgramStart mpi_job(const Words& processes, const std::string& owner_of_time) {
+  Words command{"mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output"};
+  add(command, processes);
+  return {
       "mpirun",
       command,
       {{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}, {"OMPI_MCA_mpi_yield_when_idle", "1"}},
-      {}};
-  return plan;
+      {},
+      owner_of_time};
+}
+
+/// One job of three programs.
+LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
+                    const std::filesystem::path& run_folder) {
+  Words processes{"-n", "1", installation.program("coupler"), "run"};
+  add(processes, run_arguments(options, run_folder));
+  add(processes, {"--transport", "mpi", ":", "-n", std::to_string(options.flow_ranks)});
+  add(processes, {installation.program("flow-server"), "serve", "--transport", "mpi"});
+  add(processes, scene_arguments(options));
+  add(processes, {":", "-n", "1", installation.program("solid-server"), "serve", "--transport", "mpi"});
+  add(processes, scene_arguments(options));
+  add(processes, thread_arguments(options));
+  return {{}, mpi_job(processes, "coupler"), "mpi"};
+}
+
+ProgramStart flow_alone(const RunOptions& options, const Installation& installation,
+                        const std::filesystem::path& run_folder) {
+  const ProgramStart one = alone("flow-server", {}, options, installation, run_folder);
+  if (options.flow_ranks <= 1) return one;
+  Words processes{"-n", std::to_string(options.flow_ranks)};
+  add(processes, one.command);
+  return mpi_job(processes, "flow-server");
 }
 
 }  // namespace
@@ -116,7 +129,7 @@ LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const 
   if (!scene.has_flow()) {
     return {{}, alone("solid-server", thread_arguments(options), options, installation, run_folder), {}};
   }
-  if (!scene.has_solid()) return {{}, alone("flow-server", {}, options, installation, run_folder), {}};
+  if (!scene.has_solid()) return {{}, flow_alone(options, installation, run_folder), {}};
   return choose_transport(scene, options) == "mpi"
              ? over_mpi(options, installation, run_folder)
              : over_zeromq(scene, options, installation, run_folder, socket_folder);

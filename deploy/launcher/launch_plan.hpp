@@ -12,10 +12,11 @@
 namespace couplet::launcher {
 
 struct ProgramStart {
-  std::string name;  // flow-server, solid-server, coupler; mpirun for all three in one job
+  std::string name;  // flow-server, solid-server, coupler; mpirun for several processes in one job
   std::vector<std::string> command;
   std::map<std::string, std::string> environment;  // added to that of the launcher
   std::string address_option;  // of a server that is reached by a socket: the leader takes its address with this option
+  std::string owner_of_time;   // in an MPI job: the program that ends a run in good order when it is asked to
 };
 
 struct LaunchPlan {
@@ -24,7 +25,8 @@ struct LaunchPlan {
   std::string transport;              // zmq, mpi; empty for a program on its own
 };
 
-/// `socket_folder` is where local sockets may be made. Throws SceneError when scene and options contradict each other.
+/// `options.flow_ranks` is the number that was chosen. `socket_folder` is where local sockets may be made. Throws
+/// SceneError when scene and options contradict each other.
 LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
                        const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder);
 

@@ -12,11 +12,11 @@ struct RunOptions {
   std::filesystem::path scene;
   std::filesystem::path out;          // empty: runs/<scene folder>-<date>-<time>
   std::vector<std::string> settings;  // PATH=VALUE, in order
-  int flow_ranks = 1;
-  int solid_threads = 0;         // 0: as the solid server chooses
-  std::string transport;         // mpi, zmq; empty: as the scene says
-  std::filesystem::path resume;  // run folder or checkpoint to continue from; empty: start at t = 0
-  std::int64_t steps = 0;        // stop after so many steps; 0: at the end of the scene
+  int flow_ranks = 0;                 // 0: as suits the scene and this machine
+  int solid_threads = 0;              // 0: as the solid server chooses
+  std::string transport;              // mpi, zmq; empty: as the scene says
+  std::filesystem::path resume;       // run folder or checkpoint to continue from; empty: start at t = 0
+  std::int64_t steps = 0;             // stop after so many steps; 0: at the end of the scene
   bool quiet = false;
   bool force = false;  // write into a folder that already holds a run
   bool report = true;  // write report.html at the end

@@ -7,6 +7,7 @@
 
 #include "deploy/launcher/checked_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
+#include "deploy/launcher/flow_ranks.hpp"
 #include "deploy/launcher/launch_plan.hpp"
 #include "deploy/launcher/run_summary.hpp"
 #include "deploy/launcher/socket_folder.hpp"
@@ -87,7 +88,9 @@ int run_scene(const RunOptions& options) {
   const scene::SceneFile file = read_checked_scene(options.scene, options.settings);
   const SocketFolder sockets;
   const store::RunFolder folder = choose_folder(options);
-  const LaunchPlan plan = plan_launch(file.scene, options, installation, folder.path, sockets.path());
+  RunOptions chosen = options;
+  chosen.flow_ranks = choose_flow_ranks(file.scene, options, installation);
+  const LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path());
   prepare_folder(folder, options);
   RunConsole console(folder.log(), options.quiet);
   console.show(file.scene.title() + "\n  results in " + folder.path.string());

@@ -30,14 +30,14 @@ Supervisor::~Supervisor() {
 }
 
 void Supervisor::start_server(const ProgramStart& start) {
-  programs_.push_back({start.name, ChildProcess(start, {}), false, {}, {}});
+  programs_.push_back({start.name, start.owner_of_time, ChildProcess(start, {}), false, {}, {}});
 }
 
 void Supervisor::start_leader(const ProgramStart& start) {
-  // Behind mpirun there are pipes: there the coupler is told that somebody watches.
+  // Behind mpirun there are pipes: there the program is told that somebody watches.
   const bool as_terminal = console_.shows_terminal() && start.name != "mpirun";
   if (console_.shows_terminal() && start.name == "mpirun") setenv("COUPLET_PROGRESS_UPDATES", "1", 1);
-  programs_.push_back({start.name, ChildProcess(start, {as_terminal, as_terminal}), true, {}, {}});
+  programs_.push_back({start.name, start.owner_of_time, ChildProcess(start, {as_terminal, as_terminal}), true, {}, {}});
 }
 
 std::optional<std::string> Supervisor::wait_for_address(const std::string& server) {
@@ -104,7 +104,7 @@ void Supervisor::pass_on_stop_request() {
   if (leader == programs_.end() || !leader->process.is_running()) return hurry();
   if (leader->name != "mpirun") return leader->process.send_signal(SIGTERM);
   for (const ProcessState& process : process_tree(leader->process.pid())) {
-    if (process.name == "coupler") kill(process.pid, SIGTERM);
+    if (process.name == leader->owner_of_time) kill(process.pid, SIGTERM);
   }
 }
 

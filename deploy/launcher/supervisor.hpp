@@ -46,6 +46,7 @@ class Supervisor {
 
   struct Program {
     std::string name;
+    std::string owner_of_time;
     ChildProcess process;
     bool is_leader;
     std::string address;

@@ -1,5 +1,6 @@
-"""Plots as SVG text that stands inside a page: one style, no files, no network."""
+"""Plots as SVG text, and pictures of fields as PNG, that stand inside a page: one style, no files, no network."""
 
+import base64
 import io
 import re
 
@@ -39,6 +40,14 @@ def svg_of(figure, name, trim=False):
     text = re.sub(r'\bid="((?:figure|axes|patch|line2d|text|matplotlib|xtick|ytick|legend|LineCollection|PathCollection|'
                   r'QuadMesh|FillBetweenPolyCollection|PolyCollection)[^"]*)"', "", text)
     return text.strip()
+
+
+def png_of(figure, dots_per_inch=130):
+    """The figure as a picture of dots that stands inside a page: for fields of many cells."""
+    file = io.BytesIO()
+    figure.savefig(file, format="png", dpi=dots_per_inch)
+    pyplot.close(figure)
+    return f'<img alt="" src="data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}">'
 
 
 SCALES = {"m": (1e3, "mm"), "m^2": (1e6, "mm²"), "m^3/s": (1e6, "ml/s")}

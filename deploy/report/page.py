@@ -10,7 +10,7 @@ main { max-width: 1020px; margin: 0 auto; padding: 28px 20px 60px; }
 h1 { font-size: 1.6rem; line-height: 1.25; margin: 0 0 4px; }
 h2 { font-size: 1.12rem; margin: 0 0 10px; }
 section { background: var(--paper); border: 1px solid var(--line); border-radius: 8px; padding: 18px 22px; margin: 16px 0; }
-figure { margin: 6px 0 14px; } figure svg { width: 100%; height: auto; display: block; }
+figure { margin: 6px 0 14px; } figure svg, figure img { width: 100%; height: auto; display: block; }
 figcaption, .soft { color: var(--soft); font-size: 0.89rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: 0.93rem; }

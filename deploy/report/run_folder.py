@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy
 
+from flow_states import FlowStates, holds_flow_fields
 from result_states import ResultStates
 from scene_text import parse_scene_text
 
@@ -53,6 +54,8 @@ class RunFolder:
     def results(self, shape):
         """Fields over time on cells of a shape: `hexahedron20` for a solid, `polyline` for a one-dimensional flow. None without them."""
         for file in sorted((self.path / "results").glob("*.xmf")):
+            if holds_flow_fields(file.parent):
+                continue
             try:
                 states = ResultStates(file.parent, file.stem)
             except (OSError, KeyError, ValueError) as error:
@@ -63,6 +66,11 @@ class RunFolder:
             if states.shape == shape and len(states):
                 return states
         return None
+
+    def flow_fields(self):
+        """Fields of a flow in two or three dimensions. None without them."""
+        folder = self.path / "results"
+        return FlowStates(folder) if holds_flow_fields(folder) else None
 
     def quantity(self, name):
         """Value of a quantity of the summary; None without it."""

@@ -2,12 +2,14 @@
 
 #include <sys/resource.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 
 #include "flow-server/service/make_flow_model.hpp"
+#include "flow-server/service/rank_relay.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/store/run_folder.hpp"
 
@@ -25,17 +27,29 @@ ResultSchedule make_schedule(const v1::Output& output, const std::string& run_fo
   return {output.results_start(), output.results_interval()};
 }
 
-double peak_memory_bytes() {
+int n_ranks_of(MPI_Comm ranks) {
+  int n_ranks = 1;
+  if (ranks != MPI_COMM_NULL) MPI_Comm_size(ranks, &n_ranks);
+  return n_ranks;
+}
+
+/// What the processes of all ranks have used so far.
+std::vector<participant::NamedNumber> used_by_all(MPI_Comm ranks) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+  const auto seconds = [](const timeval& time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  std::array used{1024.0 * static_cast<double>(usage.ru_maxrss), seconds(usage.ru_utime) + seconds(usage.ru_stime)};
+  if (n_ranks_of(ranks) > 1) MPI_Allreduce(MPI_IN_PLACE, used.data(), 2, MPI_DOUBLE, MPI_SUM, ranks);
+  return {{"peak_memory_bytes", used[0], "1"}, {"core_seconds", used[1], "s"}};
 }
 
 }  // namespace
 
 participant::Opened FlowParticipant::open(const participant::OpenRequest& request) {
   const auto started = Clock::now();
-  model_ = make_flow_model(request.scene, request.peer_surface);
+  model_ = make_flow_model(request.scene, request.scene_folder, request.peer_surface, ranks_);
   if (!request.resume_from.empty()) model_->resume(request.resume_from);
   schedule_ = make_schedule(request.scene.output(), request.run_folder);
   if (schedule_.is_on()) {
@@ -103,8 +117,31 @@ std::uint64_t FlowParticipant::write_checkpoint(const std::string& path) {
 }
 
 std::vector<participant::NamedNumber> FlowParticipant::close(const std::string&) {
+  std::vector<participant::NamedNumber> numbers{{"seconds", seconds_, "s"}};
+  for (const participant::NamedNumber& number : used_by_all(ranks_)) numbers.push_back(number);
+  // Where a rank could not make its model the others have nobody to count with.
+  if (holds_on_all_ranks(model_ != nullptr)) {
+    for (const FlowQuantity& cost : model_->costs()) numbers.push_back({cost.name, cost.value, cost.unit});
+  }
   model_.reset();
-  return {{"seconds", seconds_, "s"}, {"peak_memory_bytes", peak_memory_bytes(), "1"}};
+  return numbers;
+}
+
+bool FlowParticipant::holds_on_all_ranks(bool holds) const {
+  int everywhere = holds ? 1 : 0;
+  if (n_ranks_of(ranks_) > 1) MPI_Allreduce(MPI_IN_PLACE, &everywhere, 1, MPI_INT, MPI_MIN, ranks_);
+  return everywhere == 1;
+}
+
+std::unique_ptr<participant::Participant> make_flow_participant(MPI_Comm ranks) {
+  auto own = std::make_unique<FlowParticipant>(ranks);
+  if (n_ranks_of(ranks) == 1) return own;
+  return std::make_unique<RelayedParticipant>(std::move(own), ranks);
+}
+
+void follow_flow_participant(MPI_Comm ranks) {
+  FlowParticipant own(ranks);
+  follow_calls(own, ranks);
 }
 
 }  // namespace couplet::flow

@@ -6,6 +6,7 @@
 
 #include "flow-server/one_dimensional/glottis_model.hpp"
 #include "flow-server/service/find_material_point.hpp"
+#include "flow-server/service/make_navier_stokes.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/scene/expression.hpp"
 #include "proto/scene/make_time_table.hpp"
@@ -121,16 +122,31 @@ std::unique_ptr<FlowModel> make_glottis(const v1::Scene& scene, const std::optio
   return std::make_unique<GlottisModel>(options, make_fold(glottis, *mesh));
 }
 
+void refuse_more_ranks_than_one(MPI_Comm ranks) {
+  int n_ranks = 1;
+  if (ranks != MPI_COMM_NULL) MPI_Comm_size(ranks, &n_ranks);
+  if (n_ranks == 1) return;
+  throw report::SceneError("flow.glottis", "one-dimensional flow runs on one rank, not on " + std::to_string(n_ranks),
+                           "start flow-server with one rank");
+}
+
 }  // namespace
 
-std::unique_ptr<FlowModel> make_flow_model(const v1::Scene& scene, const std::optional<surface::SurfaceMesh>& surface) {
+std::unique_ptr<FlowModel> make_flow_model(const v1::Scene& scene, const std::filesystem::path& scene_folder,
+                                           const std::optional<surface::SurfaceMesh>& surface, MPI_Comm ranks) {
   switch (scene.flow().model_case()) {
     case v1::Flow::kGlottis:
+      refuse_more_ranks_than_one(ranks);
       return make_glottis(scene, surface);
+    case v1::Flow::kNavierStokes:
+      if (ranks == MPI_COMM_NULL)
+        throw report::SceneError("flow.navier_stokes", "needs MPI, which this program has not started",
+                                 "run it by flow-server");
+      return std::make_unique<NavierStokesModel>(make_navier_stokes(scene, scene_folder), ranks);
     case v1::Flow::MODEL_NOT_SET:
       break;
   }
-  throw report::SceneError("flow", "it names no model", "add flow.glottis");
+  throw report::SceneError("flow", "it names no model", "add flow.glottis or flow.navier_stokes");
 }
 
 }  // namespace couplet::flow

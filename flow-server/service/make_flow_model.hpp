@@ -1,6 +1,9 @@
 #pragma once
 // From the words of a scene to a flow model.
 
+#include <mpi.h>
+
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -10,8 +13,10 @@
 
 namespace couplet::flow {
 
-/// `surface`: the wetted surface that the solid offers; none in a scene without a solid. Throws SceneError where the
-/// scene asks for something that cannot be, PeerError when the surface does not fit the model.
-std::unique_ptr<FlowModel> make_flow_model(const v1::Scene& scene, const std::optional<surface::SurfaceMesh>& surface);
+/// Relative paths start at `scene_folder`. `surface`: the wetted surface that the solid offers; none in a scene without
+/// a solid. `ranks`: those that make the model together; MPI_COMM_NULL in a process without MPI. Throws SceneError
+/// where the scene asks for something that cannot be, PeerError when the surface does not fit the model.
+std::unique_ptr<FlowModel> make_flow_model(const v1::Scene& scene, const std::filesystem::path& scene_folder,
+                                           const std::optional<surface::SurfaceMesh>& surface, MPI_Comm ranks);
 
 }  // namespace couplet::flow

@@ -80,7 +80,8 @@ class Participant {
   /// Writes the accepted state so that open(resume_from = path) continues with equal bits. Returns the bytes written.
   virtual std::uint64_t write_checkpoint(const std::string& path) = 0;
 
-  /// Ends the session; results are complete on disk afterwards. Returns at least seconds [s] and peak_memory_bytes [1].
+  /// Ends the session; results are complete on disk afterwards. Returns at least seconds [s] and peak_memory_bytes [1];
+  /// one that works in several processes also core_seconds [s] of all of them.
   virtual std::vector<NamedNumber> close(const std::string& reason) = 0;
 
  private:

@@ -238,6 +238,8 @@ std::vector<store::SummaryQuantity> AloneRun::derived_quantities() const {
 }
 
 void AloneRun::write_summary(const std::string& status, const std::string& failure) {
+  store::Summary summary;
+  summary.core_seconds = core_seconds();
   store::ProgramCost cost;
   cost.program = options_.program;
   for (const NamedNumber& number : costs_) {
@@ -248,14 +250,14 @@ void AloneRun::write_summary(const std::string& status, const std::string& failu
     else
       cost.more.push_back({.name = number.name, .value = number.value, .unit = number.unit});
   }
-  store::Summary summary;
+  for (const NamedNumber& number : costs_)
+    if (number.name == "core_seconds") summary.core_seconds = number.value;  // of all its processes, this one too
   summary.status = status;
   summary.failure = failure;
   summary.scene = options_.scene_path;
   summary.steps = clock_.step;
   summary.end_time = clock_.time;
   summary.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
-  summary.core_seconds = core_seconds();
   summary.programs = {cost};
   summary.quantities = derived_quantities();
   store::write_summary(folder_.summary(), summary);

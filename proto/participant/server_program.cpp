@@ -37,54 +37,92 @@ ServeOptions make_serve_options(const ServerProgram& program, const CommandLine&
       line.server.threads > 0 ? line.server.threads : static_cast<int>(std::thread::hardware_concurrency());
   if (!line.scene.empty()) {
     // A scene that is given here is refused here; afterwards only its folder matters, the coupler sends the scene.
-    options.scene_folder = std::filesystem::absolute(scene::load_scene(line.scene, line.settings).folder).string();
+    scene::load_scene(line.scene, line.settings);
+    options.scene_folder = std::filesystem::absolute(line.scene).parent_path().string();
   }
   options.should_end = stop_was_asked;
   return options;
 }
 
+int rank_in(MPI_Comm ranks) {
+  int rank = 0;
+  MPI_Comm_rank(ranks, &rank);
+  return rank;
+}
+
+int size_of(MPI_Comm ranks) {
+  int size = 1;
+  MPI_Comm_size(ranks, &size);
+  return size;
+}
+
 int serve_in_mpi(const ServerProgram& program, const CommandLine& line) {
   return wire::run_in_mpi(program.name, [&](wire::MpiJob& job) {
-    const ServeOptions options = make_serve_options(program, line);
+    ServeOptions options = make_serve_options(program, line);
     catch_stop_signals();
     const auto role = program.name == "flow-server" ? wire::MpiRole::flow : wire::MpiRole::solid;
     const wire::MpiConnections connections = job.connect(role, {line.zeromq.heartbeat_deadline});
-    int n_ranks = 0;
-    MPI_Comm_size(connections.group, &n_ranks);
-    if (n_ranks > 1) throw report::SceneError("MPI job", "has more than one " + program.name, "start it with -n 1");
-    const auto participant = program.make_participant(line.server);
+    if (!program.follow && size_of(connections.group) > 1)
+      throw report::SceneError("MPI job", "has more than one " + program.name, "start it with -n 1");
+    ServerOptions server = line.server;
+    server.ranks = connections.group;
+    if (rank_in(connections.group) > 0) {
+      program.follow(server);
+      return 0;
+    }
+    const auto participant = program.make_participant(server);
+    options.ranks = size_of(connections.group);
     serve_participant(*connections.coupler, *participant, options);
+    return 0;
+  });
+}
+
+/// Does the work of rank 0 there, and follows it on the other ranks of a program that can.
+int on_all_ranks(const ServerProgram& program, const CommandLine& line,
+                 const std::function<void(const ServerOptions&)>& work) {
+  if (!program.follow) {
+    work(line.server);
+    return 0;
+  }
+  return wire::run_in_mpi(program.name, [&](wire::MpiJob& job) {
+    ServerOptions server = line.server;
+    server.ranks = job.join_all();
+    catch_stop_signals();
+    rank_in(server.ranks) == 0 ? work(server) : program.follow(server);
     return 0;
   });
 }
 
 int serve(const ServerProgram& program, const CommandLine& line) {
   if (line.transport == "mpi") return serve_in_mpi(program, line);
-  const ServeOptions options = make_serve_options(program, line);
-  catch_stop_signals();
-  const auto channel = wire::listen_zeromq(line.listen, line.zeromq);
-  std::printf("listening %s\n", channel->describe().c_str());
-  std::fflush(stdout);
-  const auto participant = program.make_participant(line.server);
-  serve_participant(*channel, *participant, options);
-  return 0;
+  return on_all_ranks(program, line, [&](const ServerOptions& server) {
+    const auto participant = program.make_participant(server);  // first: whatever fails now, the other ranks hear of it
+    ServeOptions options = make_serve_options(program, line);
+    if (server.ranks != MPI_COMM_NULL) options.ranks = size_of(server.ranks);
+    catch_stop_signals();
+    const auto channel = wire::listen_zeromq(line.listen, line.zeromq);
+    std::printf("listening %s\n", channel->describe().c_str());
+    std::fflush(stdout);
+    serve_participant(*channel, *participant, options);
+  });
 }
 
 int run(const ServerProgram& program, const CommandLine& line) {
-  const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
-  AloneOptions options = line.alone;
-  options.program = program.name;
-  options.scene_path = line.scene;
-  const auto participant = program.make_participant(line.server);
-  run_alone(*participant, file.scene, options);
-  return 0;
+  return on_all_ranks(program, line, [&](const ServerOptions& server) {
+    const auto participant = program.make_participant(server);  // first: whatever fails now, the other ranks hear of it
+    const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
+    AloneOptions options = line.alone;
+    options.program = program.name;
+    options.scene_path = line.scene;
+    run_alone(*participant, file.scene, options);
+  });
 }
 
 int check(const ServerProgram& program, const CommandLine& line) {
   const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
   OpenRequest request;
   request.scene = file.scene;
-  request.scene_folder = std::filesystem::absolute(file.folder).string();
+  request.scene_folder = std::filesystem::absolute(line.scene).parent_path().string();
   const std::vector<NamedNumber> numbers = program.estimate(request);
   if (line.json) {
     nlohmann::ordered_json object;

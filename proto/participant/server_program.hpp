@@ -1,6 +1,8 @@
 #pragma once
 // The command line that every server has: serve, run, check. A server adds its participant and nothing else.
 
+#include <mpi.h>
+
 #include <functional>
 #include <memory>
 #include <string>
@@ -12,18 +14,25 @@ namespace couplet::participant {
 
 struct ServerOptions {
   int threads = 0;  // 0: all cores of this machine
+  /// The processes of this program, for its numerics; MPI_COMM_NULL: MPI was not started, this process is the only one.
+  MPI_Comm ranks = MPI_COMM_NULL;
 };
 
 struct ServerProgram {
   std::string name;     // "flow-server"
   std::string purpose;  // one sentence for --help
+  /// On rank 0, which alone talks to others and owns the files of a run.
   std::function<std::unique_ptr<Participant>(const ServerOptions&)> make_participant;
+  /// What the other ranks do at the same time: they follow that participant's calls to its end. Not set: the program
+  /// works on one rank and starts MPI only when it is asked for.
+  std::function<void(const ServerOptions&)> follow;
   /// What a run of this scene would need: cells or degrees of freedom, memory, stable time step, cost. For `check`.
   std::function<std::vector<NamedNumber>(const OpenRequest&)> estimate;
 };
 
 /// serve --listen ADDRESS [SCENE]   binds there, prints `listening ADDRESS`, serves one session, ends
 /// serve --transport mpi            the same inside one MPI job
+/// Under mpirun a program that can follow uses all ranks.
 /// run SCENE --out DIR [--set PATH=VALUE]... [--steps N] [--resume DIR] [--quiet]   alone, against prescribed loads
 /// check SCENE [--set PATH=VALUE]... [--json]   prints the estimate
 /// Returns the exit code; may throw report::Failure.

@@ -93,6 +93,13 @@ MpiConnections MpiJob::connect(MpiRole role, const MpiOptions& options) {
   return connections;
 }
 
+MPI_Comm MpiJob::join_all() {
+  MPI_Comm group;
+  MPI_Comm_dup(MPI_COMM_WORLD, &group);
+  is_connected_ = true;
+  return group;
+}
+
 int run_in_mpi(const std::string& program, const std::function<int(MpiJob&)>& body) {
   int provided = 0;
   MPI_Init_thread(nullptr, nullptr, MPI_THREAD_MULTIPLE, &provided);

@@ -27,6 +27,10 @@ class MpiJob {
   /// one coupler and at least one server.
   MpiConnections connect(MpiRole role, const MpiOptions& options);
 
+  /// Collective over all processes of a job of one program: its processes, for its own work. The program that is the
+  /// only one has nobody to connect to.
+  MPI_Comm join_all();
+
   bool is_connected() const { return is_connected_; }
 
  private:

@@ -1,0 +1,33 @@
+#include "deploy/launcher/flow_ranks.hpp"
+
+#include <algorithm>
+#include <thread>
+
+#include "deploy/launcher/server_estimate.hpp"
+
+namespace couplet::launcher {
+
+namespace {
+/// With fewer cells a rank spends as long on messages as on cells.
+constexpr double cells_worth_a_rank = 20000;
+}  // namespace
+
+int ranks_for_cells(double n_cells, int n_cores) {
+  return std::clamp(static_cast<int>(std::min(n_cells / cells_worth_a_rank, 1e6)), 1, std::max(1, n_cores));
+}
+
+int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation) {
+  if (options.flow_ranks > 0) return options.flow_ranks;
+  if (!scene.flow().has_navier_stokes()) return 1;
+  if (scene.flow().navier_stokes().has_decomposition()) {
+    const v1::Decomposition& blocks = scene.flow().navier_stokes().decomposition();
+    return blocks.x() * blocks.y() * blocks.z();
+  }
+  for (const Estimate& estimate : ask_for_estimate("flow-server", options.scene, options.settings, installation)) {
+    if (estimate.name != "cells_active") continue;
+    return ranks_for_cells(estimate.value, static_cast<int>(std::thread::hardware_concurrency()));
+  }
+  return 1;
+}
+
+}  // namespace couplet::launcher

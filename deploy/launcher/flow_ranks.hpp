@@ -1,0 +1,17 @@
+#pragma once
+// On how many MPI ranks the flow of a scene runs.
+
+#include "couplet/v1/scene.pb.h"
+#include "deploy/launcher/installation.hpp"
+#include "deploy/launcher/run_options.hpp"
+
+namespace couplet::launcher {
+
+/// As the user says; otherwise as many as the scene has blocks; otherwise one for each core, but no more than share the
+/// cells well. One-dimensional flow runs on one.
+int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation);
+
+/// The last part of that choice.
+int ranks_for_cells(double n_cells, int n_cores);
+
+}  // namespace couplet::launcher

@@ -1,0 +1,191 @@
+#include "flow-server/navier_stokes/navier_stokes_model.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "flow-server/navier_stokes/navier_stokes_checkpoint.hpp"
+#include "proto/report/failure.hpp"
+
+namespace couplet::flow {
+
+namespace {
+
+/// Borders of blocks stand at multiples of this where that costs no balance: multigrid then merges cells of one rank.
+constexpr int alignment = 8;
+
+/// Adds the time from its making to its end.
+class Stopwatch {
+ public:
+  explicit Stopwatch(double& seconds) : seconds_(seconds) {}
+  Stopwatch(const Stopwatch&) = delete;
+  Stopwatch& operator=(const Stopwatch&) = delete;
+  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+ private:
+  double& seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void sum_over_ranks(std::vector<double>& values, MPI_Comm communicator) {
+  MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, communicator);
+}
+
+std::size_t n_bytes(const FlowState& state) {
+  std::size_t n = state.pressure.n_bytes();
+  for (int d = 0; d < 3; ++d) n += state.velocity[d].n_bytes() + state.rate[d].n_bytes();
+  return n;
+}
+
+}  // namespace
+
+BlockDecomposition decompose(const StretchedGrid& grid, const std::optional<Triple>& shape, MPI_Comm ranks) {
+  int n_ranks = 1;
+  MPI_Comm_size(ranks, &n_ranks);
+  const Triple n_cells = grid.n_cells();
+  const Triple blocks = shape.value_or(choose_shape(n_cells, n_ranks));
+  if (blocks[0] * blocks[1] * blocks[2] != n_ranks) {
+    throw report::SceneError("flow.navier_stokes.decomposition",
+                             std::to_string(blocks[0]) + " x " + std::to_string(blocks[1]) + " x " +
+                                 std::to_string(blocks[2]) + " blocks are not one for each of the " +
+                                 std::to_string(n_ranks) + " ranks",
+                             "start the flow with as many ranks as blocks, or leave decomposition out");
+  }
+  std::array<Partition, 3> partitions;
+  for (int d = 0; d < 3; ++d) partitions[d] = equal_parts(n_cells[d], blocks[d], alignment);
+  return {ranks, std::move(partitions), grid.is_periodic()};
+}
+
+NavierStokesModel::NavierStokesModel(NavierStokesOptions options, MPI_Comm ranks)
+    : options_(std::move(options)),
+      decomposition_(decompose(options_.setup.grid, options_.shape, ranks)),
+      step_(options_.setup, decomposition_),
+      accepted_(step_.initial_state()),
+      no_force_(surface::NodeArray::Zero(0, 3)) {
+  no_interface_.node_position = surface::NodeArray::Zero(0, 3);
+  if (options_.initial_file.empty()) return;
+  resume(options_.initial_file);
+  accepted_.time = accepted_.pressure_time = 0;
+  accepted_.last_step = std::numeric_limits<double>::quiet_NaN();
+  accepted_.rate_kind = RateKind::none;  // what was before belongs to another run
+  step_.fill_ghosts(accepted_);
+}
+
+FlowPart NavierStokesModel::part() const {
+  return {options_.setup.grid, decomposition_, step_.active(), accepted_};
+}
+
+void NavierStokesModel::solve_step(double duration, const surface::FieldSet&) {
+  const Stopwatch watch(solve_seconds_);
+  report_ = step_.advance(accepted_, duration, trial_);
+  n_substeps_ += report_.n_steps;
+}
+
+std::vector<FlowQuantity> NavierStokesModel::accept_step() {
+  std::swap(accepted_, trial_);
+  const Stopwatch watch(measure_seconds_);
+  std::vector<FlowQuantity> quantities{
+      {"flow.substeps", static_cast<double>(report_.n_steps), "1"},
+      {"flow.courant", report_.courant, "1"},
+      {"flow.largest_speed", report_.largest_speed, "m/s"},
+      {"flow.divergence", report_.divergence, "1/s"},
+      {"flow.pressure_iterations", static_cast<double>(report_.pressure_iterations), "1"},
+      {"flow.pressure_residual", report_.pressure_residual, "1"},
+  };
+  add_measurements(quantities);
+  return quantities;
+}
+
+void NavierStokesModel::add_measurements(std::vector<FlowQuantity>& quantities) const {
+  const FlowObservation& observed = options_.observed;
+  const FlowPart mine = part();
+  std::vector<FlowQuantity> summed;  // of this rank at first
+  if (observed.has_integrals) {
+    const IntegralQuantities integrals = integrate(mine, options_.setup.density, options_.setup.viscosity);
+    summed.push_back({"flow.kinetic_energy", integrals.kinetic_energy, "J"});
+    summed.push_back({"flow.dissipation", integrals.dissipation, "W"});
+    summed.push_back({"flow.enstrophy", integrals.enstrophy, "m^3/s^2"});
+  }
+  for (const PlaneCut& plane : observed.planes) {
+    const PlaneRates rates = integrate(mine, plane, options_.setup.density);
+    summed.push_back({plane.name + ".flow_rate", rates.flow_rate, "m^3/s"});
+    summed.push_back({plane.name + ".momentum_flux", rates.momentum_flux, "N"});
+  }
+  for (const PointProbe& probe : observed.probes) {
+    const PointValue value = measure(mine, probe);
+    for (int d = 0; d < options_.setup.grid.n_dimensions; ++d)
+      summed.push_back({probe.name + ".velocity_" + std::string(1, "xyz"[d]), value.velocity[d], "m/s"});
+    summed.push_back({probe.name + ".pressure", value.pressure, "Pa"});
+  }
+  if (!summed.empty()) {
+    std::vector<double> values;
+    for (const FlowQuantity& quantity : summed) values.push_back(quantity.value);
+    sum_over_ranks(values, decomposition_.communicator());
+    for (std::size_t i = 0; i < summed.size(); ++i) summed[i].value = values[i];
+    quantities.insert(quantities.end(), summed.begin(), summed.end());
+  }
+  if (!observed.exact) return;
+
+  const ErrorSums errors = compare(mine, *observed.exact);
+  std::vector<double> sums{errors.velocity_square, errors.pressure, errors.pressure_square, errors.volume};
+  sum_over_ranks(sums, decomposition_.communicator());
+  double largest = errors.largest_velocity;
+  MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, decomposition_.communicator());
+  const double mean = sums[1] / sums[3];  // a pressure is known but for a constant
+  quantities.push_back({"flow.velocity_error_l2", std::sqrt(sums[0] / sums[3]), "m/s"});
+  quantities.push_back({"flow.velocity_error_max", largest, "m/s"});
+  quantities.push_back({"flow.pressure_error_l2", std::sqrt(std::max(0.0, sums[2] / sums[3] - mean * mean)), "Pa"});
+}
+
+void NavierStokesModel::write_checkpoint(const std::filesystem::path& path) const {
+  const Stopwatch watch(checkpoint_seconds_);
+  write_navier_stokes_checkpoint(path, accepted_, options_.setup.grid, decomposition_);
+}
+
+void NavierStokesModel::resume(const std::filesystem::path& path) {
+  read_navier_stokes_checkpoint(path, options_.setup.grid, decomposition_, accepted_);
+  const double courant_rate = accepted_.courant_rate, largest_speed = accepted_.largest_speed;
+  step_.fill_ghosts(accepted_);
+  // Measured again they would differ in the last bit, and with them the tolerance of the next pressure.
+  accepted_.courant_rate = courant_rate;
+  accepted_.largest_speed = largest_speed;
+}
+
+void NavierStokesModel::start_results(const std::filesystem::path& results_folder) {
+  const Stopwatch watch(results_seconds_);
+  results_.emplace(results_folder, options_.setup.grid, decomposition_, options_.observed.regions, accepted_.time);
+}
+
+void NavierStokesModel::append_results() {
+  const Stopwatch watch(results_seconds_);
+  results_->append(part());
+}
+
+std::vector<FlowQuantity> NavierStokesModel::costs() const {
+  std::vector<double> sums{
+      static_cast<double>(step_.active().n_cells()),
+      static_cast<double>(n_bytes(accepted_) + n_bytes(trial_) + step_.n_bytes()),
+      static_cast<double>(step_.traffic().messages),
+      static_cast<double>(step_.traffic().bytes),
+  };
+  sum_over_ranks(sums, decomposition_.communicator());
+  const double n_cells = static_cast<double>(decomposition_.all().n_cells());
+  const double n_steps = static_cast<double>(std::max<std::int64_t>(1, n_substeps_));
+  return {
+      {"ranks", static_cast<double>(decomposition_.n_ranks()), "1"},
+      {"cells", n_cells, "1"},
+      {"cells_active", sums[0], "1"},
+      {"substeps", static_cast<double>(n_substeps_), "1"},
+      {"ns_per_cell_step", 1e9 * solve_seconds_ / (sums[0] * n_steps), "ns"},
+      {"bytes_per_cell", sums[1] / sums[0], "1"},
+      {"messages_per_step", sums[2] / n_steps, "1"},
+      {"message_bytes_per_step", sums[3] / n_steps, "1"},
+      {"seconds_solve", solve_seconds_, "s"},
+      {"seconds_measurements", measure_seconds_, "s"},
+      {"seconds_results", results_seconds_, "s"},
+      {"seconds_checkpoints", checkpoint_seconds_, "s"},
+  };
+}
+
+}  // namespace couplet::flow

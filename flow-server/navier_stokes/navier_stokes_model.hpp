@@ -1,0 +1,75 @@
+#pragma once
+// The incompressible flow in two and three dimensions behind the door of all flow models.
+
+#include <mpi.h>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "flow-server/flow_model.hpp"
+#include "flow-server/navier_stokes/fractional_step.hpp"
+#include "flow-server/output/field_writer.hpp"
+#include "flow-server/output/flow_measurement.hpp"
+
+namespace couplet::flow {
+
+/// What is looked at in a flow, beside what is always reported.
+struct FlowObservation {
+  std::vector<FieldRegion> regions;  // stored at the times of the run's results
+  std::vector<PlaneCut> planes;
+  std::vector<PointProbe> probes;
+  bool has_integrals = false;
+  std::optional<ExactFlow> exact;  // that the flow is compared with
+};
+
+struct NavierStokesOptions {
+  NavierStokesSetup setup;
+  std::optional<Triple> shape;         // blocks along each axis; not set: chosen
+  std::filesystem::path initial_file;  // checkpoint whose flow is that at t = 0; empty: as the setup says
+  FlowObservation observed;
+};
+
+/// Blocks of a grid for the ranks there are. Throws SceneError when they do not fit.
+BlockDecomposition decompose(const StretchedGrid& grid, const std::optional<Triple>& shape, MPI_Comm ranks);
+
+/// Made and called on all ranks of a communicator with equal arguments. There is no body in the flow.
+class NavierStokesModel : public FlowModel {
+ public:
+  /// The communicator stays the caller's, carries nothing else and outlives this.
+  NavierStokesModel(NavierStokesOptions options, MPI_Comm ranks);
+
+  const surface::SurfaceMesh& interface() const override { return no_interface_; }
+  std::vector<std::string> needs() const override { return {}; }
+  double time() const override { return accepted_.time; }
+  void align_time(double accepted_time) override { accepted_.time = accepted_time; }
+  void solve_step(double duration, const surface::FieldSet& motion) override;
+  const surface::NodeArray& force() const override { return no_force_; }
+  std::vector<FlowQuantity> accept_step() override;
+  void write_checkpoint(const std::filesystem::path& path) const override;
+  void resume(const std::filesystem::path& path) override;
+  void start_results(const std::filesystem::path& results_folder) override;
+  void append_results() override;
+  std::vector<FlowQuantity> costs() const override;
+
+  const FlowState& state() const { return accepted_; }
+  const BlockDecomposition& decomposition() const { return decomposition_; }
+
+ private:
+  FlowPart part() const;
+  void add_measurements(std::vector<FlowQuantity>& quantities) const;
+
+  NavierStokesOptions options_;
+  BlockDecomposition decomposition_;
+  FractionalStep step_;
+  FlowState accepted_, trial_;
+  AdvanceReport report_;
+  std::optional<FieldWriter> results_;
+  surface::SurfaceMesh no_interface_;
+  surface::NodeArray no_force_;
+  std::int64_t n_substeps_ = 0;  // of all solves
+  double solve_seconds_ = 0, measure_seconds_ = 0, results_seconds_ = 0;
+  mutable double checkpoint_seconds_ = 0;
+};
+
+}  // namespace couplet::flow
