@@ -34,8 +34,8 @@ struct AxisMetrics {
   AxisValues share;                  // width(i) / (width(i) + width(i + 1))
 };
 
-/// A face with a tangential wall along cell faces inside the grid, where fluid ends: the velocity beyond is 0 in memory,
-/// but the wall stands half a cell nearer. What the shear lacks is viscosity * coefficient * velocity.
+/// A face with a tangential wall along cell faces inside the grid, where fluid ends: the velocity beyond is 0 in
+/// memory, but the wall stands half a cell nearer. What the shear lacks is viscosity * coefficient * velocity.
 struct InnerWall {
   Triple cell;
   int direction;       // normal to the wall

@@ -6,8 +6,8 @@ namespace couplet::flow {
 
 namespace {
 
-/// Faces with unknown velocity next to one, across, that is closed; but for those on the border of the grid, beside which
-/// the velocity is that of the border's patches.
+/// Faces with unknown velocity next to one, across, that is closed; but for those on the border of the grid, beside
+/// which the velocity is that of the border's patches.
 void find_inner_walls(FlowBlock& block) {
   for (int c = 0; c < block.n_dimensions; ++c) {
     const Box box = block.computed_faces(c);
@@ -22,8 +22,8 @@ void find_inner_walls(FlowBlock& block) {
                 const Triple cell{i, j, k};
                 Triple beside = cell;
                 beside[d] += side == 0 ? -1 : 1;
-                const bool is_border = block.decomposition->is_at_border(d, side) &&
-                                       (beside[d] < 0 || beside[d] >= block.sizes[d]);
+                const bool is_border =
+                    block.decomposition->is_at_border(d, side) && (beside[d] < 0 || beside[d] >= block.sizes[d]);
                 if (is_border || block.faces[c].contains(beside[0], beside[1], beside[2])) continue;
                 const AxisMetrics& axis = block.axis[d];
                 const double over = axis.inverse_width[cell[d]];

@@ -57,8 +57,7 @@ TEST_P(FlowOrder, InSpace) {
   const auto [scheme, stretching] = GetParam();
   const EthierSteinman exact{0.1};
   std::vector<Errors> errors;
-  for (const int n : {32, 64})
-    errors.push_back(run(exact, ethier_steinman(exact, n, stretching, scheme), 0.05, n / 8));
+  for (const int n : {32, 64}) errors.push_back(run(exact, ethier_steinman(exact, n, stretching, scheme), 0.05, n / 8));
   EXPECT_GE(order_between(errors[0].velocity.rms, errors[1].velocity.rms), 1.9);
   EXPECT_GE(order_between(errors[0].velocity.largest, errors[1].velocity.largest), 1.9);
   EXPECT_GE(order_between(errors[0].pressure.rms, errors[1].pressure.rms), 1.9);
