@@ -34,6 +34,8 @@ constexpr int initial_iterations = 200;
 
 /// Largest |div u| times the smallest width over the largest speed that a projection may leave.
 constexpr double largest_divergence = 0.05;
+/// A flow with smaller Courant numbers is at rest: what moves is round-off of forces that balance.
+constexpr double courant_at_rest = 1e-8;
 
 std::string text(double value) {
   std::ostringstream out;
@@ -325,8 +327,9 @@ void FractionalStep::Parts::damp_openings(double dt, const FlowState& from, Vect
 /// div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
-  const double source_of_tolerance =
-      setup.pressure.divergence_tolerance * from.largest_speed / smallest_width * setup.density / dt;
+  const double speed_at_rest = courant_at_rest * smallest_width / dt;
+  const double speed = std::max(from.largest_speed, speed_at_rest);
+  const double source_of_tolerance = setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
     solved =
@@ -355,7 +358,7 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
   }
 
   if (!std::isfinite(measure.divergence_sum)) require_finite(to.velocity, to.time);
-  if (measure.divergence * smallest_width > largest_divergence * measure.speed)
+  if (measure.divergence * smallest_width > largest_divergence * std::max(measure.speed, speed_at_rest))
     throw report::NumericsError("pressure at t = " + text(to.time) + " s",
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
                                     text(measure.speed) + " m/s on cells of " + text(smallest_width) + " m",
