@@ -103,6 +103,7 @@ struct FractionalStep::Parts {
   void predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to);
   void predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to);
   void predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to);
+  const VectorField& rate_before(const FlowState& from, const FlowState& to) const;
   void damp_openings(double dt, const FlowState& from, VectorField& velocity) const;
   void combine(const VectorField& a, double factor, const VectorField& b, VectorField& sum) const;
   AdvanceReport project(const FlowState& from, double dt, FlowState& to);
@@ -174,6 +175,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
 
     FlowState& to = from == &start ? end : parts.spare;
     parts.shape(to);
+    if (from == &end) to.rate = std::move(end.rate);  // no third copy: updated in place
     parts.predict(*from, dt, plan.scheme, to);
     AdvanceReport step = parts.project(*from, dt, to);
     if (&to == &parts.spare) std::swap(parts.spare, end);
@@ -203,6 +205,11 @@ void FractionalStep::Parts::predict(const FlowState& from, double dt, TimeScheme
   }
 }
 
+/// What the step before left behind: in the state it starts from, unless the memory was handed on.
+const VectorField& FractionalStep::Parts::rate_before(const FlowState& from, const FlowState& to) const {
+  return from.rate[0].is_empty() ? to.rate : from.rate;
+}
+
 /// u* = u + dt [(1 + r/2) R(u_n) - r/2 R(u_{n-1}) - grad p / rho + f], r = dt_n / dt_{n-1}
 void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to) {
   if (to.rate[0].is_empty()) to.rate = block.new_vector_field();
@@ -213,8 +220,8 @@ void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, do
                                 .pressure = dt / setup.density,
                                 .impulse = impulse(middle, dt),
                                 .viscosity = nu};
-  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &from.rate, &to.rate,
-                   to.velocity);
+  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &rate_before(from, to),
+                   &to.rate, to.velocity);
   add_force(middle, dt, false, to.velocity);
   border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
   border.set_time(from.time + dt, dt, from.velocity);
@@ -271,7 +278,7 @@ void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, dou
   // Without memory the step is done twice, the second time with the mean of both velocities.
   for (int pass = extrapolates ? 1 : 0; pass < 2; ++pass) {
     if (extrapolates) {
-      combine(from.velocity, 0.5 * dt, from.rate, carrier);
+      combine(from.velocity, 0.5 * dt, rate_before(from, to), carrier);
     } else if (pass == 0) {
       combine(from.velocity, 0, from.velocity, carrier);
     } else {
