@@ -28,6 +28,9 @@ constexpr std::array<double, 3> zeta{0, -17.0 / 60, -5.0 / 12};
 /// Adams-Bashforth would extrapolate over more than this many steps before: such a step is taken by Runge-Kutta.
 constexpr double largest_step_ratio = 2;
 
+/// An interval that asks for more steps than a million will not end: the flow has blown up.
+constexpr double shortest_share = 1e-6;
+
 /// Initial fields are free of divergence almost to round-off.
 constexpr double initial_tolerance = 1e-10;
 constexpr int initial_iterations = 200;
@@ -120,7 +123,7 @@ struct FractionalStep::Parts {
   void around_exchange(VectorField& fields, bool needs_border_ghosts, const Work& work);
   std::vector<Field<double>*> pointers(VectorField& fields) const;
   void require_finite(const VectorField& velocity, double time) const;
-  [[noreturn]] void refuse_step(const FlowState& state, double step) const;
+  [[noreturn]] void refuse_step(const FlowState& state, double step, double smallest) const;
   std::string place_of(const Triple& cell) const;
 
   NavierStokesSetup setup;
@@ -161,6 +164,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   Parts& parts = *parts_;
   if (!(duration > 0) || !std::isfinite(duration))
     throw report::SceneError("time step", "is " + text(duration) + " s", "give a positive number");
+  const double smallest_step = std::max(parts.setup.step.smallest, shortest_share * duration);
   AdvanceReport all;
   StepPlan plan{TimeScheme::automatic, 0};
   const FlowState* from = &start;
@@ -171,7 +175,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
         (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
     const double dt = (duration - done) / plan.n_steps;
-    if (dt < parts.setup.step.smallest) parts.refuse_step(*from, dt);
+    if (dt < smallest_step) parts.refuse_step(*from, dt, smallest_step);
 
     FlowState& to = from == &start ? end : parts.spare;
     parts.shape(to);
@@ -613,7 +617,7 @@ void FractionalStep::Parts::require_finite(const VectorField& velocity, double t
 }
 
 /// Collective: names the cell that asks for the smallest step.
-void FractionalStep::Parts::refuse_step(const FlowState& state, double step) const {
+void FractionalStep::Parts::refuse_step(const FlowState& state, double step, double smallest) const {
   struct {
     double rate;
     int rank;
@@ -644,7 +648,7 @@ void FractionalStep::Parts::refuse_step(const FlowState& state, double step) con
   throw report::NumericsError(place_of(cell),
                               "at t = " + text(state.time) + " s a speed of " + text(speed_and_cell[0]) +
                                   " m/s asks for steps of " + text(step) + " s, less than the smallest allowed, " +
-                                  text(setup.step.smallest) + " s",
+                                  text(smallest) + " s",
                               "look at the flow there; allow smaller steps or make the cells larger");
 }
 
