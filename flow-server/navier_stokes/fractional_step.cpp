@@ -272,6 +272,7 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
 void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to) {
   if (!implicit) implicit = std::make_unique<ImplicitMomentum>(block, border);
   if (stage[0].is_empty()) stage = block.new_vector_field();
+  rate = VectorField{};
   VectorField& carrier = stage;
   const bool extrapolates = from.rate_kind == RateKind::mean_acceleration;
   const double middle = from.time + 0.5 * dt;
@@ -483,10 +484,11 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
   }
   exchange.exchange(pointers(state.velocity), 1);
   border.fill_velocity_ghosts(state.velocity);
-  VectorField slope = block.new_vector_field(), unused = block.new_vector_field();
+  stage = block.new_vector_field();
+  rate = block.new_vector_field();
+  VectorField& slope = stage;
   const MomentumWeights weights{.now = 1, .before = 0, .pressure = 0, .impulse = {}, .viscosity = nu};
-  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope,
-                   unused);
+  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope, rate);
   add_force(0, 1, true, slope);
   border.add_pressure_change(1 / setup.density, state.pressure, slope);
   // Known velocities of the border: their change over a time that is short for the flow.
@@ -588,8 +590,8 @@ std::vector<Field<double>*> FractionalStep::Parts::pointers(VectorField& fields)
 
 std::size_t FractionalStep::n_bytes() const {
   const Parts& parts = *parts_;
-  std::size_t n =
-      parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
+  std::size_t n = parts.implicit ? parts.implicit->n_bytes() : 0;
+  n += parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
   for (int d = 0; d < 3; ++d)
     n += parts.stage[d].n_bytes() + parts.rate[d].n_bytes() + parts.spare.velocity[d].n_bytes() +
          parts.spare.rate[d].n_bytes();
