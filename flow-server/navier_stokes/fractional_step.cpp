@@ -10,6 +10,7 @@
 #include "flow-server/momentum/explicit_momentum.hpp"
 #include "flow-server/momentum/implicit_momentum.hpp"
 #include "flow-server/navier_stokes/flow_domain.hpp"
+#include "flow-server/navier_stokes/flow_failure.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
 #include "flow-server/navier_stokes/step_limit.hpp"
 #include "proto/report/failure.hpp"
@@ -28,12 +29,17 @@ constexpr std::array<double, 3> zeta{0, -17.0 / 60, -5.0 / 12};
 /// Adams-Bashforth would extrapolate over more than this many steps before: such a step is taken by Runge-Kutta.
 constexpr double largest_step_ratio = 2;
 
+/// An interval that asks for more steps than a million will not end: the flow has blown up.
+constexpr double shortest_share = 1e-6;
+
 /// Initial fields are free of divergence almost to round-off.
 constexpr double initial_tolerance = 1e-10;
 constexpr int initial_iterations = 200;
 
 /// Largest |div u| times the smallest width over the largest speed that a projection may leave.
 constexpr double largest_divergence = 0.05;
+/// A flow with smaller Courant numbers is at rest: what moves is round-off of forces that balance.
+constexpr double courant_at_rest = 1e-8;
 
 std::string text(double value) {
   std::ostringstream out;
@@ -101,6 +107,7 @@ struct FractionalStep::Parts {
   void predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to);
   void predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to);
   void predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to);
+  const VectorField& rate_before(const FlowState& from, const FlowState& to) const;
   void damp_openings(double dt, const FlowState& from, VectorField& velocity) const;
   void combine(const VectorField& a, double factor, const VectorField& b, VectorField& sum) const;
   AdvanceReport project(const FlowState& from, double dt, FlowState& to);
@@ -116,9 +123,6 @@ struct FractionalStep::Parts {
   template <class Work>
   void around_exchange(VectorField& fields, bool needs_border_ghosts, const Work& work);
   std::vector<Field<double>*> pointers(VectorField& fields) const;
-  void require_finite(const VectorField& velocity, double time) const;
-  [[noreturn]] void refuse_step(const FlowState& state, double step) const;
-  std::string place_of(const Triple& cell) const;
 
   NavierStokesSetup setup;
   const BlockDecomposition& decomposition;
@@ -133,9 +137,9 @@ struct FractionalStep::Parts {
   Box inner;  // cells whose stencils need no ghosts
   bool has_other_ranks = false;
   std::unique_ptr<ImplicitMomentum> implicit;  // Crank-Nicolson only
-  VectorField stage;  // of Runge-Kutta; the convecting velocity of Crank-Nicolson
-  VectorField rate;   // of Runge-Kutta
-  FlowState spare;    // of several steps in one interval
+  VectorField stage;                           // of Runge-Kutta; the convecting velocity of Crank-Nicolson
+  VectorField rate;                            // of Runge-Kutta
+  FlowState spare;                             // of several steps in one interval
   std::int64_t n_reductions = 0;
 };
 
@@ -158,6 +162,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   Parts& parts = *parts_;
   if (!(duration > 0) || !std::isfinite(duration))
     throw report::SceneError("time step", "is " + text(duration) + " s", "give a positive number");
+  const double smallest_step = std::max(parts.setup.step.smallest, shortest_share * duration);
   AdvanceReport all;
   StepPlan plan{TimeScheme::automatic, 0};
   const FlowState* from = &start;
@@ -168,10 +173,11 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
         (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
     const double dt = (duration - done) / plan.n_steps;
-    if (dt < parts.setup.step.smallest) parts.refuse_step(*from, dt);
+    if (dt < smallest_step) refuse_step(parts.block, *from, dt, smallest_step);
 
     FlowState& to = from == &start ? end : parts.spare;
     parts.shape(to);
+    if (from == &end) to.rate = std::move(end.rate);  // no third copy: updated in place
     parts.predict(*from, dt, plan.scheme, to);
     AdvanceReport step = parts.project(*from, dt, to);
     if (&to == &parts.spare) std::swap(parts.spare, end);
@@ -201,6 +207,11 @@ void FractionalStep::Parts::predict(const FlowState& from, double dt, TimeScheme
   }
 }
 
+/// What the step before left behind: in the state it starts from, unless the memory was handed on.
+const VectorField& FractionalStep::Parts::rate_before(const FlowState& from, const FlowState& to) const {
+  return from.rate[0].is_empty() ? to.rate : from.rate;
+}
+
 /// u* = u + dt [(1 + r/2) R(u_n) - r/2 R(u_{n-1}) - grad p / rho + f], r = dt_n / dt_{n-1}
 void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to) {
   if (to.rate[0].is_empty()) to.rate = block.new_vector_field();
@@ -211,7 +222,8 @@ void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, do
                                 .pressure = dt / setup.density,
                                 .impulse = impulse(middle, dt),
                                 .viscosity = nu};
-  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &from.rate, &to.rate, to.velocity);
+  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &rate_before(from, to),
+                   &to.rate, to.velocity);
   add_force(middle, dt, false, to.velocity);
   border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
   border.set_time(from.time + dt, dt, from.velocity);
@@ -237,7 +249,8 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
                                   .viscosity = nu};
     VectorField& fresh = s == 1 ? stage : to.velocity;
     if (s == 0) {
-      advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, nullptr, &first_rate, fresh);
+      advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, nullptr, &first_rate,
+                       fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage;
       around_exchange(old, true, [&](const Box& box) {
@@ -259,6 +272,7 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
 void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to) {
   if (!implicit) implicit = std::make_unique<ImplicitMomentum>(block, border);
   if (stage[0].is_empty()) stage = block.new_vector_field();
+  rate = VectorField{};
   VectorField& carrier = stage;
   const bool extrapolates = from.rate_kind == RateKind::mean_acceleration;
   const double middle = from.time + 0.5 * dt;
@@ -267,7 +281,7 @@ void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, dou
   // Without memory the step is done twice, the second time with the mean of both velocities.
   for (int pass = extrapolates ? 1 : 0; pass < 2; ++pass) {
     if (extrapolates) {
-      combine(from.velocity, 0.5 * dt, from.rate, carrier);
+      combine(from.velocity, 0.5 * dt, rate_before(from, to), carrier);
     } else if (pass == 0) {
       combine(from.velocity, 0, from.velocity, carrier);
     } else {
@@ -281,7 +295,8 @@ void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, dou
     border.remember();
     border.set_time(from.time + dt, dt, from.velocity);
 
-    advance_momentum(block, everything(), weights, carrier, from.velocity, from.pressure, nullptr, nullptr, to.velocity);
+    advance_momentum(block, everything(), weights, carrier, from.velocity, from.pressure, nullptr, nullptr,
+                     to.velocity);
     add_force(middle, dt, false, to.velocity);
     border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
     damp_openings(dt, from, to.velocity);
@@ -322,13 +337,15 @@ void FractionalStep::Parts::damp_openings(double dt, const FlowState& from, Vect
 /// div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
-  const double source_of_tolerance = setup.pressure.divergence_tolerance * from.largest_speed / smallest_width * setup.density / dt;
+  const double speed_at_rest = courant_at_rest * smallest_width / dt;
+  const double speed = std::max(from.largest_speed, speed_at_rest);
+  const double source_of_tolerance = setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
     solved =
         solve_pressure({setup.pressure.relative_tolerance, source_of_tolerance, setup.pressure.largest_iterations});
   } catch (const report::NumericsError&) {
-    require_finite(to.velocity, from.time + dt);  // a better sentence, where that is the reason
+    require_finite(block, to.velocity, from.time + dt);  // a better sentence, where that is the reason
     throw;
   }
   // With implicit diffusion p += phi - mu/2 div u*: u* has felt the gradient of phi less than u has [D. L. Brown,
@@ -350,8 +367,8 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
     combine(to.rate, 1 / dt - 1, to.rate, to.rate);
   }
 
-  if (!std::isfinite(measure.divergence_sum)) require_finite(to.velocity, to.time);
-  if (measure.divergence * smallest_width > largest_divergence * measure.speed)
+  if (!std::isfinite(measure.divergence_sum)) require_finite(block, to.velocity, to.time);
+  if (measure.divergence * smallest_width > largest_divergence * std::max(measure.speed, speed_at_rest))
     throw report::NumericsError("pressure at t = " + text(to.time) + " s",
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
                                     text(measure.speed) + " m/s on cells of " + text(smallest_width) + " m",
@@ -435,7 +452,7 @@ void FractionalStep::Parts::set_initial_velocity(FlowState& state) {
   border.impose(state.velocity);
   take_divergence_of(state.velocity, 1);
   const FlowMeasure given = reduce(measure(block, state.velocity), decomposition.communicator());
-  if (!std::isfinite(given.divergence_sum)) require_finite(state.velocity, 0);
+  if (!std::isfinite(given.divergence_sum)) require_finite(block, state.velocity, 0);
   solve_pressure(
       {initial_tolerance, setup.pressure.divergence_tolerance * given.speed / smallest_width, initial_iterations});
   const FlowMeasure measured = reduce(correct(block, 1, phi, 0, source, state.pressure, state.pressure, state.velocity),
@@ -467,9 +484,11 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
   }
   exchange.exchange(pointers(state.velocity), 1);
   border.fill_velocity_ghosts(state.velocity);
-  VectorField slope = block.new_vector_field(), unused = block.new_vector_field();
+  stage = block.new_vector_field();
+  rate = block.new_vector_field();
+  VectorField& slope = stage;
   const MomentumWeights weights{.now = 1, .before = 0, .pressure = 0, .impulse = {}, .viscosity = nu};
-  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope, unused);
+  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope, rate);
   add_force(0, 1, true, slope);
   border.add_pressure_change(1 / setup.density, state.pressure, slope);
   // Known velocities of the border: their change over a time that is short for the flow.
@@ -496,7 +515,7 @@ void FractionalStep::Parts::shape(FlowState& state) const {
 void FractionalStep::Parts::measure_speed(FlowState& state) {
   const FlowMeasure measured = reduce(measure(block, state.velocity), decomposition.communicator());
   n_reductions += 2;
-  if (!std::isfinite(measured.divergence_sum)) require_finite(state.velocity, state.time);
+  if (!std::isfinite(measured.divergence_sum)) require_finite(block, state.velocity, state.time);
   state.courant_rate = measured.courant_rate;
   state.largest_speed = measured.speed;
 }
@@ -569,74 +588,10 @@ std::vector<Field<double>*> FractionalStep::Parts::pointers(VectorField& fields)
   return result;
 }
 
-std::string FractionalStep::Parts::place_of(const Triple& cell) const {
-  std::string place = "cell (";
-  for (int d = 0; d < 3; ++d) place += std::to_string(cell[d]) + (d < 2 ? ", " : ") at (");
-  for (int d = 0; d < 3; ++d) place += text(setup.grid.axis[d].centre(cell[d])) + (d < 2 ? ", " : ") m");
-  return place;
-}
-
-/// Collective: throws on all ranks, naming the first cell, where a velocity is not a number.
-void FractionalStep::Parts::require_finite(const VectorField& velocity, double time) const {
-  const Triple n_cells = setup.grid.n_cells(), origin = decomposition.mine().begin;
-  const long none = std::numeric_limits<long>::max();
-  long first = none;
-  for (int k = block.sizes[2] - 1; k >= 0; --k)
-    for (int j = block.sizes[1] - 1; j >= 0; --j)
-      for (int i = block.sizes[0] - 1; i >= 0; --i)
-        for (int d = 0; d < block.n_dimensions; ++d)
-          if (!std::isfinite(velocity[d](i, j, k)))
-            first = origin[0] + i +
-                    static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
-  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_LONG, MPI_MIN, decomposition.communicator());
-  if (first == none) return;
-  const long row = first / n_cells[0];
-  const Triple cell{static_cast<int>(first % n_cells[0]), static_cast<int>(row % n_cells[1]),
-                    static_cast<int>(row / n_cells[1])};
-  throw report::NumericsError(place_of(cell), "the velocity at t = " + text(time) + " s is not a number",
-                              "look for values that are not numbers in borders and forces, or take smaller steps");
-}
-
-/// Collective: names the cell that asks for the smallest step.
-void FractionalStep::Parts::refuse_step(const FlowState& state, double step) const {
-  struct {
-    double rate;
-    int rank;
-  } worst{0, decomposition.rank()};
-  Triple cell{};
-  std::array<double, 2> speed_and_cell{};
-  for (int k = 0; k < block.sizes[2]; ++k)
-    for (int j = 0; j < block.sizes[1]; ++j)
-      for (int i = 0; i < block.sizes[0]; ++i) {
-        double demand = 0, square = 0;
-        for (int d = 0; d < block.n_dimensions; ++d) {
-          Triple before{i, j, k};
-          --before[d];
-          const double here = std::max(std::abs(state.velocity[d](i, j, k)),
-                                       std::abs(state.velocity[d](before[0], before[1], before[2])));
-          demand += here * block.axis[d].inverse_width[Triple{i, j, k}[d]];
-          square += here * here;
-        }
-        if (demand < worst.rate) continue;
-        worst.rate = demand;
-        cell = {i, j, k};
-        speed_and_cell[0] = std::sqrt(square);
-      }
-  for (int d = 0; d < 3; ++d) cell[d] += decomposition.mine().begin[d];
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, decomposition.communicator());
-  MPI_Bcast(cell.data(), 3, MPI_INT, worst.rank, decomposition.communicator());
-  MPI_Bcast(speed_and_cell.data(), 1, MPI_DOUBLE, worst.rank, decomposition.communicator());
-  throw report::NumericsError(place_of(cell),
-                              "at t = " + text(state.time) + " s a speed of " + text(speed_and_cell[0]) +
-                                  " m/s asks for steps of " + text(step) + " s, less than the smallest allowed, " +
-                                  text(setup.step.smallest) + " s",
-                              "look at the flow there; allow smaller steps or make the cells larger");
-}
-
 std::size_t FractionalStep::n_bytes() const {
   const Parts& parts = *parts_;
-  std::size_t n =
-      parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
+  std::size_t n = parts.implicit ? parts.implicit->n_bytes() : 0;
+  n += parts.solver->n_bytes() + parts.source.n_bytes() + parts.phi.n_bytes() + parts.spare.pressure.n_bytes();
   for (int d = 0; d < 3; ++d)
     n += parts.stage[d].n_bytes() + parts.rate[d].n_bytes() + parts.spare.velocity[d].n_bytes() +
          parts.spare.rate[d].n_bytes();
