@@ -1,6 +1,7 @@
 #include "flow-server/momentum/line_solver.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace couplet::flow {
 
@@ -18,53 +19,51 @@ struct Rows {
   Number* operator[](int r) const { return start + r * stride; }
 };
 
-/// Thomas' algorithm on lines side by side. On return x holds the solution for x_before = x_after = 0, and, where they
-/// are asked for, before and after hold how it depends on those. `after` must be given: it holds the factors meanwhile.
-void eliminate_rows(int n_rows, int n_lines, Rows<const double> a, Rows<const double> b, Rows<const double> c,
-                    Rows<double> x, double* before, double* after, bool starts_free, bool ends_free) {
+/// Thomas' algorithm on lines side by side: x becomes the solution for x_before = x_after = 0. Where `with_neighbours`,
+/// a and c become how it depends on those: x + a x_before + c x_after.
+void eliminate_rows(int n_rows, int n_lines, Rows<double> a, Rows<const double> b, Rows<double> c, Rows<double> x,
+                    bool with_neighbours, bool starts_free, bool ends_free) {
+  for (int l = 0; l < n_lines && starts_free; ++l) a[0][l] = 0;
+  for (int l = 0; l < n_lines && ends_free; ++l) c[n_rows - 1][l] = 0;
   for (int r = 0; r < n_rows; ++r) {
-    const double* __restrict ar = a[r], * __restrict br = b[r], * __restrict cr = c[r];
-    double* __restrict xr = x[r], * __restrict factor = after + static_cast<std::ptrdiff_t>(r) * n_lines;
-    const bool is_last = r == n_rows - 1;
+    double* __restrict ar = a[r], * __restrict cr = c[r], * __restrict xr = x[r];
+    const double* __restrict br = b[r];
     if (r == 0) {
 #pragma GCC ivdep
       for (int l = 0; l < n_lines; ++l) {
         const double pivot = 1 / br[l];
-        factor[l] = is_last && ends_free ? 0 : cr[l] * pivot;
+        cr[l] *= pivot;
         xr[l] *= pivot;
-        if (before) before[l] = starts_free ? 0 : -ar[l] * pivot;
+        ar[l] *= -pivot;
       }
       continue;
     }
-    const double* __restrict xm = x[r - 1], * __restrict factor_m = factor - n_lines;
+    const double* __restrict am = a[r - 1], * __restrict cm = c[r - 1], * __restrict xm = x[r - 1];
 #pragma GCC ivdep
     for (int l = 0; l < n_lines; ++l) {
-      const double pivot = 1 / (br[l] - ar[l] * factor_m[l]);
-      factor[l] = is_last && ends_free ? 0 : cr[l] * pivot;
+      const double pivot = 1 / (br[l] - ar[l] * cm[l]);
+      cr[l] *= pivot;
       xr[l] = (xr[l] - ar[l] * xm[l]) * pivot;
+      ar[l] *= -am[l] * pivot;
     }
-    if (!before) continue;
-    double* __restrict before_r = before + static_cast<std::ptrdiff_t>(r) * n_lines;
-#pragma GCC ivdep
-    for (int l = 0; l < n_lines; ++l) before_r[l] = -ar[l] * before_r[l - n_lines] / (br[l] - ar[l] * factor_m[l]);
   }
   for (int r = n_rows - 2; r >= 0; --r) {
-    const double* __restrict factor = after + static_cast<std::ptrdiff_t>(r) * n_lines;
-    const double* __restrict xp = x[r + 1];
-    double* __restrict xr = x[r];
+    double* __restrict ar = a[r], * __restrict xr = x[r];
+    const double* __restrict cr = c[r], * __restrict ap = a[r + 1], * __restrict xp = x[r + 1];
 #pragma GCC ivdep
-    for (int l = 0; l < n_lines; ++l) xr[l] -= factor[l] * xp[l];
-    if (!before) continue;
-    double* __restrict before_r = before + static_cast<std::ptrdiff_t>(r) * n_lines;
+    for (int l = 0; l < n_lines; ++l) xr[l] -= cr[l] * xp[l];
+    if (!with_neighbours) continue;
 #pragma GCC ivdep
-    for (int l = 0; l < n_lines; ++l) before_r[l] -= factor[l] * before_r[l + n_lines];
+    for (int l = 0; l < n_lines; ++l) ar[l] -= cr[l] * ap[l];
   }
-  if (!before) return;
+  if (!with_neighbours) return;
   // The last row depends on x_after by minus its factor; so do the rows before it, one through the other.
-  for (int r = n_rows - 1; r >= 0; --r) {
-    double* __restrict after_r = after + static_cast<std::ptrdiff_t>(r) * n_lines;
+  for (int l = 0; l < n_lines; ++l) c[n_rows - 1][l] *= -1;
+  for (int r = n_rows - 2; r >= 0; --r) {
+    double* __restrict cr = c[r];
+    const double* __restrict cp = c[r + 1];
 #pragma GCC ivdep
-    for (int l = 0; l < n_lines; ++l) after_r[l] *= r == n_rows - 1 ? -1 : -after_r[l + n_lines];
+    for (int l = 0; l < n_lines; ++l) cr[l] *= -cp[l];
   }
 }
 
@@ -96,11 +95,8 @@ LineSolver::LineSolver(const BlockDecomposition& decomposition, int direction)
                    place_, &line_);
   for (int p = 0; p <= n_blocks_; ++p)
     first_line_.push_back(static_cast<int>(static_cast<std::int64_t>(n_lines_) * p / n_blocks_));
-  const std::size_t n_widest = panels_.empty() ? 0 : static_cast<std::size_t>(n_rows_) * std::min(width, sizes[along]);
-  if (direction_ == 0) workspace_.resize(4 * n_widest);
-  after_.resize(is_one_piece() ? n_widest : static_cast<std::size_t>(n_rows_) * n_lines_);
+  if (direction_ == 0) packed_.resize(static_cast<std::size_t>(4 * side_by_side) * n_rows_);
   if (is_one_piece()) return;
-  before_.resize(static_cast<std::size_t>(n_rows_) * n_lines_);
   ends_.resize(6 * static_cast<std::size_t>(n_lines_));
   beside_.resize(2 * static_cast<std::size_t>(n_lines_));
   gathered_.resize(6 * static_cast<std::size_t>(n_joined()) * n_blocks_);
@@ -112,59 +108,52 @@ LineSolver::~LineSolver() {
 }
 
 std::size_t LineSolver::n_bytes() const {
-  return (before_.size() + after_.size() + ends_.size() + gathered_.size() + answers_.size() + beside_.size() +
-          workspace_.size()) *
-         sizeof(double);
+  return (ends_.size() + gathered_.size() + answers_.size() + beside_.size() + packed_.size()) * sizeof(double);
 }
 
-void LineSolver::solve(const Field<double>& lower, const Field<double>& diagonal, const Field<double>& upper,
+void LineSolver::solve(Field<double>& lower, const Field<double>& diagonal, Field<double>& upper,
                        Field<double>& solution) {
   for (const Panel& panel : panels_) eliminate(panel, lower, diagonal, upper, solution);
   if (is_one_piece() || panels_.empty()) return;
   join_blocks();
-  for (const Panel& panel : panels_) complete(panel, solution);
+  for (const Panel& panel : panels_) complete(panel, lower, upper, solution);
 }
 
-void LineSolver::eliminate(const Panel& panel, const Field<double>& lower, const Field<double>& diagonal,
-                           const Field<double>& upper, Field<double>& solution) {
+void LineSolver::eliminate(const Panel& panel, Field<double>& lower, const Field<double>& diagonal,
+                           Field<double>& upper, Field<double>& solution) {
   const auto [i, j, k] = panel.cell;
   const int n = panel.n_lines;
   const std::ptrdiff_t stride = direction_ == 1 ? solution.stride_y() : solution.stride_z();
-  Rows<const double> a{lower.row(j, k) + i, direction_ == 1 ? lower.stride_y() : lower.stride_z()};
-  Rows<const double> b{diagonal.row(j, k) + i, direction_ == 1 ? diagonal.stride_y() : diagonal.stride_z()};
-  Rows<const double> c{upper.row(j, k) + i, direction_ == 1 ? upper.stride_y() : upper.stride_z()};
-  Rows<double> x{solution.row(j, k) + i, stride};
+  Rows<double> a{lower.row(j, k) + i, stride}, c{upper.row(j, k) + i, stride}, x{solution.row(j, k) + i, stride};
+  Rows<const double> b{diagonal.row(j, k) + i, stride};
   if (direction_ == 0) {
-    const std::size_t n_values = static_cast<std::size_t>(n_rows_) * n;
-    const Field<double>* const fields[4] = {&lower, &diagonal, &upper, &solution};
+    const Field<double>* const fields[4] = {&lower, &upper, &solution, &diagonal};
+    const std::ptrdiff_t n_values = static_cast<std::ptrdiff_t>(n_rows_) * n;
     for (int f = 0; f < 4; ++f)
       for (int l = 0; l < n; ++l) {
         const double* from = fields[f]->row(j + l, k);
-        double* to = workspace_.data() + f * n_values + l;
+        double* to = packed_.data() + f * n_values + l;
         for (int r = 0; r < n_rows_; ++r) to[static_cast<std::ptrdiff_t>(r) * n] = from[r];
       }
-    a = {workspace_.data(), n};
-    b = {workspace_.data() + n_values, n};
-    c = {workspace_.data() + 2 * n_values, n};
-    x = {workspace_.data() + 3 * n_values, n};
+    a = {packed_.data(), n}, c = {packed_.data() + n_values, n}, x = {packed_.data() + 2 * n_values, n};
+    b = {packed_.data() + 3 * n_values, n};
   }
-  const std::size_t offset = is_one_piece() ? 0 : static_cast<std::size_t>(panel.first_line) * n_rows_;
-  double* const before = is_one_piece() ? nullptr : before_.data() + offset;
-  double* const after = after_.data() + offset;
-  eliminate_rows(n_rows_, n, a, b, c, x, before, after, !is_periodic_ && place_ == 0,
+  eliminate_rows(n_rows_, n, a, b, c, x, !is_one_piece(), !is_periodic_ && place_ == 0,
                  !is_periodic_ && place_ == n_blocks_ - 1);
   if (direction_ == 0) {
-    for (int l = 0; l < n; ++l) {
-      double* to = solution.row(j + l, k);
-      for (int r = 0; r < n_rows_; ++r) to[r] = x[r][l];
-    }
+    const std::pair<Field<double>*, Rows<double>> results[3] = {{&solution, x}, {&lower, a}, {&upper, c}};
+    for (int f = 0; f < (is_one_piece() ? 1 : 3); ++f)
+      for (int l = 0; l < n; ++l) {
+        double* to = results[f].first->row(j + l, k);
+        for (int r = 0; r < n_rows_; ++r) to[r] = results[f].second[r][l];
+      }
   }
   if (is_one_piece()) return;
-  const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(n_rows_ - 1) * n;
+  const int last = n_rows_ - 1;
   for (int l = 0; l < n; ++l) {
     double* end = ends_.data() + 6 * static_cast<std::ptrdiff_t>(panel.first_line + l);
-    end[0] = x[0][l], end[1] = before[l], end[2] = after[l];
-    end[3] = x[n_rows_ - 1][l], end[4] = before[last + l], end[5] = after[last + l];
+    end[0] = x[0][l], end[1] = a[0][l], end[2] = c[0][l];
+    end[3] = x[last][l], end[4] = a[last][l], end[5] = c[last][l];
   }
 }
 
@@ -242,22 +231,23 @@ void LineSolver::solve_joined() {
   }
 }
 
-void LineSolver::complete(const Panel& panel, Field<double>& solution) {
+/// x = particular + before x_before + after x_after
+void LineSolver::complete(const Panel& panel, const Field<double>& before, const Field<double>& after,
+                          Field<double>& solution) {
   const auto [i, j, k] = panel.cell;
-  const int n = panel.n_lines;
-  const std::size_t offset = static_cast<std::size_t>(panel.first_line) * n_rows_;
   const double* const beside = beside_.data() + 2 * static_cast<std::ptrdiff_t>(panel.first_line);
-  for (int r = 0; r < n_rows_; ++r) {
-    const double* before = before_.data() + offset + static_cast<std::ptrdiff_t>(r) * n;
-    const double* after = after_.data() + offset + static_cast<std::ptrdiff_t>(r) * n;
-    // x = particular + before x_before + after x_after
-    for (int l = 0; l < n; ++l) {
-      double& x = direction_ == 0   ? solution(r, j + l, k)
-                  : direction_ == 1 ? solution(i + l, r, k)
-                                    : solution(i + l, j, r);
-      x += before[l] * beside[2 * l] + after[l] * beside[2 * l + 1];
-    }
+  const auto complete_row = [&](int first, int y, int z, int n, const auto& line_of) {
+    const double* __restrict b = before.row(y, z) + first, * __restrict a = after.row(y, z) + first;
+    double* __restrict x = solution.row(y, z) + first;
+#pragma GCC ivdep
+    for (int m = 0; m < n; ++m) x[m] += b[m] * beside[2 * line_of(m)] + a[m] * beside[2 * line_of(m) + 1];
+  };
+  if (direction_ == 0) {
+    for (int l = 0; l < panel.n_lines; ++l) complete_row(0, j + l, k, n_rows_, [l](int) { return l; });
+    return;
   }
+  for (int r = 0; r < n_rows_; ++r)
+    complete_row(i, direction_ == 1 ? r : j, direction_ == 1 ? k : r, panel.n_lines, [](int m) { return m; });
 }
 
 }  // namespace couplet::flow

@@ -25,11 +25,11 @@ class LineSolver {
   LineSolver(const LineSolver&) = delete;
   LineSolver& operator=(const LineSolver&) = delete;
 
-  /// Collective over the blocks of a line. `solution` holds the right side on entry. All fields have the shape of the
-  /// block; ghosts are neither read nor written. In a direction that is not periodic the lower entry of the first row
-  /// and the upper entry of the last one are not used. A row that is no unknown: diagonal 1, lower and upper 0.
-  void solve(const Field<double>& lower, const Field<double>& diagonal, const Field<double>& upper,
-             Field<double>& solution);
+  /// Collective over the blocks of a line. `solution` holds the right side on entry; lower and upper serve as memory
+  /// and hold nothing of use afterwards. All fields have the shape and the ghosts of one another; ghosts are neither
+  /// read nor written. In a direction that is not periodic the lower entry of the first row and the upper entry of the
+  /// last one are not used. A row that is no unknown: diagonal 1, lower and upper 0.
+  void solve(Field<double>& lower, const Field<double>& diagonal, Field<double>& upper, Field<double>& solution);
 
   const Traffic& traffic() const { return traffic_; }
   std::size_t n_bytes() const;
@@ -43,9 +43,9 @@ class LineSolver {
   };
 
   bool is_one_piece() const { return n_blocks_ == 1 && !is_periodic_; }
-  void eliminate(const Panel& panel, const Field<double>& lower, const Field<double>& diagonal,
-                 const Field<double>& upper, Field<double>& solution);
-  void complete(const Panel& panel, Field<double>& solution);
+  void eliminate(const Panel& panel, Field<double>& lower, const Field<double>& diagonal, Field<double>& upper,
+                 Field<double>& solution);
+  void complete(const Panel& panel, const Field<double>& before, const Field<double>& after, Field<double>& solution);
   void join_blocks();
   void solve_joined();
   int n_joined() const { return first_line_[place_ + 1] - first_line_[place_]; }
@@ -57,13 +57,11 @@ class LineSolver {
   int n_blocks_ = 1, place_ = 0;   // of the line, and mine among them
   MPI_Comm line_ = MPI_COMM_NULL;  // the blocks of my lines, in order
   std::vector<int> first_line_;    // (n_blocks + 1): which block joins which lines
-  // x = particular + before x_before + after x_after, with the unknowns next to the block; panel by panel.
-  std::vector<double> before_, after_;
-  std::vector<double> ends_;      // what the first and the last row of each of my lines say
-  std::vector<double> gathered_;  // the same of all blocks, for the lines that I join
-  std::vector<double> answers_;   // x_before and x_after of all blocks, for the lines that I join
-  std::vector<double> beside_;    // the same for my lines
-  std::vector<double> workspace_;
+  std::vector<double> ends_;       // what the first and the last row of each of my lines say
+  std::vector<double> gathered_;   // the same of all blocks, for the lines that I join
+  std::vector<double> answers_;    // x_before and x_after of all blocks, for the lines that I join
+  std::vector<double> beside_;     // the same for my lines
+  std::vector<double> packed_;     // a panel of lines along x, side by side
   Traffic traffic_;
 };
 
