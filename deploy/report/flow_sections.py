@@ -80,7 +80,7 @@ def _slice(states, region, state, name, direction):
     return numpy.squeeze(states.slab(state, region, name, direction, m, m + 1), axis=direction)
 
 
-def _vorticity(states, region, state, direction):
+def vorticity_in_plane(states, region, state, direction):
     """In two dimensions the component out of the plane, with its sign; otherwise the magnitude."""
     faces = states.faces(region)
     is_flat = len(faces[2]) == 2
@@ -115,11 +115,11 @@ def _draw(axes, states, region, direction, values, title, has_sign=False):
     horizontal, vertical = _across(direction)
     largest = float(numpy.percentile(numpy.abs(values), 99.5)) or 1.0  # corners of a cavity would drown the rest
     limits = {"vmin": -largest, "vmax": largest, "cmap": "RdBu_r"} if has_sign else {"cmap": "viridis"}
+    axes.grid(visible=False)
     mesh = axes.pcolormesh(faces[horizontal], faces[vertical], values.T, shading="flat", **limits)
     axes.set(aspect="equal" if 0.08 < _proportions(states, region, direction) < 3 else "auto",
              xlabel=f"{AXES[horizontal]} [m]", ylabel=f"{AXES[vertical]} [m]")
     axes.set_title(title, fontsize=9)
-    axes.grid(visible=False)
     axes.figure.colorbar(mesh, ax=axes, shrink=0.8, pad=0.02)
 
 
@@ -127,7 +127,7 @@ def _picture_of(states, region, state, direction):
     names = states.field_names(region)
     is_flat = len(states.faces(region)[2]) == 2
     fields = [("speed [m/s]", numpy.linalg.norm(_slice(states, region, state, "velocity", direction), axis=-1), False),
-              ("vorticity [1/s]", _vorticity(states, region, state, direction), is_flat)]
+              ("vorticity [1/s]", vorticity_in_plane(states, region, state, direction), is_flat)]
     if "pressure" in names:
         fields.append(("pressure [Pa]", _slice(states, region, state, "pressure", direction), False))
     width = 10.0 / len(fields)
@@ -149,7 +149,7 @@ def _picture_over_time(states, region, direction):
     else:
         chart, grid = new_figure(1, len(chosen), width=10.0, height=10.0 / len(chosen) * proportion * 0.85 + 0.5, squeeze=False)
     for axes, state in zip(grid.flat, chosen):
-        _draw(axes, states, region, direction, _vorticity(states, region, state, direction), f"t = {states.time[state]:.4g} s", is_flat)
+        _draw(axes, states, region, direction, vorticity_in_plane(states, region, state, direction), f"t = {states.time[state]:.4g} s", is_flat)
     return png_of(chart)
 
 

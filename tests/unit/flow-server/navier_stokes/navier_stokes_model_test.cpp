@@ -168,7 +168,7 @@ TEST(NavierStokesModel, RefusesACheckpointOfAnotherGrid) {
   NavierStokesModel model(duct(TimeScheme::adams_bashforth, false), MPI_COMM_WORLD);
   model.write_checkpoint(folder.path() / "flow.h5");
   NavierStokesOptions options = duct(TimeScheme::adams_bashforth, false);
-  options.setup.grid = stretched_box({16, 12, 9}, {false, false, true});
+  options.setup.grid = stretched_box({16, 12, 10}, {false, false, true});
   NavierStokesModel other(options, MPI_COMM_WORLD);
   try {
     other.resume(folder.path() / "flow.h5");

@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""A run of the flow gives the same numbers on any number of ranks, and the same bits when it was interrupted."""
+
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import h5py
+import numpy
+
+COUPLET = os.environ["COUPLET"]
+FLOW_SERVER = os.environ["FLOW_SERVER"]
+# Sums over ranks and the coarse levels of the pressure solver are cut differently: round-off of some hundred steps.
+ROUND_OFF = 1e-10
+# What is left of the residual and of the divergence is itself of the size of the tolerance.
+LEFT_OVER = ("flow.divergence", "flow.pressure_residual")
+
+DUCT = """
+title: "a duct with a block, a swelling inlet, a wall that moves and an outflow"
+time { end: 0.4  step: 0.02 }
+flow {
+  fluid { density: 1.2  viscosity: 0.01 }
+  navier_stokes {
+    grid {
+      x { stretched { start: 0 end: 3 region { start: 0.4 end: 1.2 width: 0.06 } largest_growth: 1.08 } }
+      y { uniform { start: -1 end: 1 cells: 24 } }
+      z { uniform { start: 0 end: 1 cells: 16 } periodic: true }
+    }
+    border {
+      x_start { velocity { expression { x: "(1-y^2)*(1+0.3*sin(10*t))" z: "0.05*cos(2*pi*z)*(1-y^2)" } } }
+      x_end { convective_outflow { } }
+      y_end { no_slip_wall { velocity { x: 0.4 } } }
+    }
+    fluid_where: "max(abs(x-0.8)-0.15, abs(y)-0.3)"
+    initial { velocity { x: "1-y^2" } }
+    integral_quantities: true
+    plane { name: "wake" normal: X position: 1.8 box { y_from: -0.5 y_to: 0.77 } }
+    probe { name: "behind" at { x: 1.5 y: 0.2 z: 0.3 } }
+    field { quantity: [VELOCITY, PRESSURE, VORTICITY, SWIRLING_STRENGTH] precision: DOUBLE }
+  }
+}
+output { results_interval: 0.1  checkpoints { every_steps: 10 } }
+"""
+
+
+class RunTest(unittest.TestCase):
+    def setUp(self):
+        self.temporary = tempfile.TemporaryDirectory(prefix="couplet flow ")
+        self.folder = Path(self.temporary.name)
+        self.addCleanup(self.temporary.cleanup)
+        (self.folder / "scene.txtpb").write_text(DUCT)
+
+    def run_flow(self, name, *options):
+        out = self.folder / name
+        done = subprocess.run([COUPLET, "run", str(self.folder / "scene.txtpb"), "--out", str(out), "--quiet", "--no-report",
+                               *options], capture_output=True, text=True, timeout=100)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return out
+
+    @staticmethod
+    def history(out):
+        with open(out / "history.csv", newline="") as file:
+            rows = list(csv.reader(file))
+        names = [title.partition(" [")[0] for title in rows[0]]
+        return names, numpy.array(rows[1:], dtype=float)
+
+    def test_the_same_numbers_on_1_2_and_4_ranks(self):
+        one = self.run_flow("one", "--flow-ranks", "1")
+        names, expected = self.history(one)
+        scale = numpy.abs(expected).max(axis=0)
+        # A component that is small beside the others, and the pressure, change with all of the velocity.
+        for column, name in enumerate(names):
+            if name.startswith("behind."):
+                scale[column] = max(scale[column], 1)
+        for n, blocks in ((2, "{x: 2}"), (4, "{x: 2 z: 2}"), (4, "{y: 4}")):
+            with self.subTest(ranks=n, blocks=blocks):
+                out = self.run_flow(f"{n}{blocks[1]}", "--flow-ranks", str(n), "--set", f"flow.navier_stokes.decomposition={blocks}")
+                found = self.history(out)[1]
+                self.assertEqual(found.shape, expected.shape)
+                for column, name in enumerate(names):
+                    if name not in LEFT_OVER:
+                        distance = numpy.abs(found[:, column] - expected[:, column]).max()
+                        self.assertLessEqual(distance, ROUND_OFF * scale[column], name)
+                self.expect_same_fields(one, out)
+
+    def expect_same_fields(self, one, other):
+        with h5py.File(one / "results" / "flow.h5") as a, h5py.File(other / "results" / "flow.h5") as b:
+            self.assertEqual(list(a["state"]), list(b["state"]))
+            last = f"state/{list(a['state'])[-1]}/flow"
+            for name in a[last]:
+                scale = numpy.abs(a[f"{last}/{name}"][()]).max()
+                self.assertLessEqual(numpy.abs(a[f"{last}/{name}"][()] - b[f"{last}/{name}"][()]).max(), ROUND_OFF * scale * 10, name)
+
+    def test_an_interrupted_run_continues_with_equal_bits(self):
+        for n in ("1", "2"):
+            with self.subTest(ranks=n):
+                whole = self.run_flow(f"whole{n}", "--flow-ranks", n)
+                self.run_flow(f"parts{n}", "--flow-ranks", n, "--steps", "10")
+                resumed = self.run_flow(f"parts{n}", "--flow-ranks", n, "--resume", str(self.folder / f"parts{n}"))
+                self.assertEqual((resumed / "history.csv").read_text(), (whole / "history.csv").read_text())
+                with h5py.File(whole / "results" / "flow.h5") as a, h5py.File(resumed / "results" / "flow.h5") as b:
+                    self.assertEqual(list(a["state"]), list(b["state"]))
+                    for state in a["state"]:
+                        for name in a[f"state/{state}/flow"]:
+                            self.assertTrue((a[f"state/{state}/flow/{name}"][()] == b[f"state/{state}/flow/{name}"][()]).all())
+
+    def test_the_server_runs_without_mpirun(self):
+        out = self.folder / "by hand"
+        subprocess.run([FLOW_SERVER, "run", str(self.folder / "scene.txtpb"), "--out", str(out), "--quiet", "--steps", "5"],
+                       check=True, timeout=60)
+        names, rows = self.history(out)
+        self.assertEqual(len(rows), 5)
+        self.assertLess(rows[-1, names.index("flow.divergence")], 1e-2)
+
+
+if __name__ == "__main__":
+    sys.exit(unittest.main(verbosity=2))
