@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <string>
 
-#include "proto/report/failure.hpp"
+#include "flow-server/poisson/solve_checks.hpp"
 
 namespace couplet::flow {
 
@@ -13,41 +11,13 @@ namespace {
 
 constexpr int stagnation_iterations = 12;  // that many without any progress end a solve
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
-
 /// Sums over ranks depend on their number in the last digits. Rounded to single precision their quotients do not, and
 /// neither does anything that is computed from them: all ranks, however many, go the same way.
 double rounded(double quotient) {
   return static_cast<double>(static_cast<float>(quotient));
 }
 
-/// The mean, to a 2^-46th of the norm: so that it, too, hardly ever depends on the number of ranks. What is left of it
-/// is far below any residual that can be asked for.
-double rounded_mean(double mean, double norm) {
-  if (!(norm > 0) || !std::isfinite(norm)) return mean;
-  const double unit = std::ldexp(1.0, std::ilogb(norm) - 46);
-  return std::round(mean / unit) * unit;
-}
-
 }  // namespace
-
-void clear_ghosts_beyond_borders(const BlockDecomposition& decomposition, Field<double>& field) {
-  if (!decomposition.has_cells()) return;
-  const Box all = box_of(field.sizes()).grown(field.ghosts());
-  for (int d = 0; d < 3; ++d)
-    for (int side = 0; side < 2; ++side) {
-      if (!decomposition.is_at_border(d, side)) continue;
-      Box beyond = all;
-      (side == 0 ? beyond.end[d] : beyond.begin[d]) = side == 0 ? 0 : field.sizes()[d];
-      for (int k = beyond.begin[2]; k < beyond.end[2]; ++k)
-        for (int j = beyond.begin[1]; j < beyond.end[1]; ++j)
-          std::fill(field.row(j, k) + beyond.begin[0], field.row(j, k) + beyond.end[0], 0.0);
-    }
-}
 
 MultigridSolver::MultigridSolver(const PressureProblem& problem)
     : decomposition_(problem.decomposition),
@@ -83,11 +53,7 @@ SolveReport MultigridSolver::solve(const Field<double>& source, Field<double>& p
   report.source_norm = source_norm;
   const auto norm_of = [&](double squares) { return std::sqrt(sum_over_ranks<1>({squares})[0] / volume_); };
   double norm = norm_of(operator_.residual(source, report.removed_mean, phi, &residual_));
-  if (!std::isfinite(norm)) {
-    throw report::NumericsError(
-        "pressure", "the residual at the start is " + text(norm) + ", the norm of the source " + text(source_norm),
-        "a velocity or pressure is not a number; take a smaller time step");
-  }
+  refuse_unless_finite(norm);
   const double enough = std::max(limits.relative * source_norm, limits.absolute);
   if (source_norm == 0 && norm > enough) {
     // Without a source the answer is known.
@@ -120,11 +86,7 @@ SolveReport MultigridSolver::solve(const Field<double>& source, Field<double>& p
       ++since_least;
     }
     if (std::isfinite(norm) && since_least < stagnation_iterations) continue;
-    throw report::NumericsError(
-        "pressure",
-        "the residual does not fall: " + text(norm) + " after " + std::to_string(report.iterations) + " iterations, " +
-            text(first_norm) + " at the start, " + text(least) + " at best, wanted " + text(enough),
-        "take a smaller time step, or a looser pressure tolerance if the wanted residual is near round-off");
+    refuse_residual(norm, first_norm, report.iterations, enough);
   }
   if (is_singular_) {
     const auto [sum, squares] = sum_over_ranks(operator_.moments(phi));

@@ -33,7 +33,4 @@ class MultigridSolver : public PressureSolver {
   Traffic reductions_;
 };
 
-/// Ghosts beyond the borders of the whole become 0, in as many layers as the field has.
-void clear_ghosts_beyond_borders(const BlockDecomposition& decomposition, Field<double>& field);
-
 }  // namespace couplet::flow

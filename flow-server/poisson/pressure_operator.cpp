@@ -249,11 +249,26 @@ double PressureOperator::advance(const Field<float>& z, double beta, double alph
 }
 
 void PressureOperator::subtract(double value, Field<double>& phi) const {
+  subtract_to(phi, value, phi);
+}
+
+void PressureOperator::subtract_to(const Field<double>& values, double value, Field<double>& difference) const {
   for (int k = 0; k < sizes_[2]; ++k)
     for (int j = 0; j < sizes_[1]; ++j)
       for (const Interval& cells : active_.row(j, k)) {
-        double* __restrict c = phi.row(j, k);
-        for (int i = cells.begin; i < cells.end; ++i) c[i] -= value;
+        const double* from = values.row(j, k);
+        double* to = difference.row(j, k);
+        for (int i = cells.begin; i < cells.end; ++i) to[i] = from[i] - value;
+      }
+}
+
+void PressureOperator::add(const Field<double>& correction, Field<double>& phi) const {
+  for (int k = 0; k < sizes_[2]; ++k)
+    for (int j = 0; j < sizes_[1]; ++j)
+      for (const Interval& cells : active_.row(j, k)) {
+        const double* __restrict from = correction.row(j, k);
+        double* __restrict to = phi.row(j, k);
+        for (int i = cells.begin; i < cells.end; ++i) to[i] += from[i];
       }
 }
 

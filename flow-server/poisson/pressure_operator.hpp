@@ -36,6 +36,8 @@ class PressureOperator {
   double advance(const Field<float>& z, double beta, double alpha, Field<float>& p, Field<double>& phi,
                  Field<double>& r, Field<float>& f) const;
   void subtract(double value, Field<double>& phi) const;
+  void subtract_to(const Field<double>& values, double value, Field<double>& difference) const;
+  void add(const Field<double>& correction, Field<double>& phi) const;
   void copy(const Field<double>& from, Field<float>& to) const;
 
  private:

@@ -162,6 +162,10 @@ std::vector<std::pair<std::string, Case>> invariance_cases() {
   Case flat{{stretched(74, 3), stretched(58, 2), {0.0, 0.1}}, 2};
   flat.is_periodic = {true, false, false};
   all.emplace_back("two dimensions", flat);
+  Case around{{stretched(37, 3), stretched(58, 2), {0.0, 0.1}}, 2};
+  around.is_periodic = {false, true, false};
+  around.border_is_open[0] = {false, true};
+  all.emplace_back("two dimensions, periodic along y", around);
   return all;
 }
 
@@ -186,6 +190,44 @@ TEST(PressureInvariance, EachRankCountAndShapeGivesTheSolutionOfOneRank) {
       EXPECT_LT(shared.report.true_residual, 2e-12 * shared.report.source_norm) << name;
     }
   }
+}
+
+TEST(PressureDirect, FastDiagonalisationFindsWhatTheMultigridFindsOnAnyNumberOfRanks) {
+  for (const auto& [name, c] : invariance_cases()) {
+    if (c.is_fluid) continue;
+    const Solution iterated(c, MPI_COMM_SELF, {1, 1, 1}, rough);
+    const Solution alone(c, MPI_COMM_SELF, {1, 1, 1}, rough, PressureMethod::fast_diagonalisation);
+    for (const Triple& shape : shapes(c.n_dimensions)) {
+      const Solution direct(c, MPI_COMM_WORLD, shape, rough, PressureMethod::fast_diagonalisation);
+      double to_iterated = 0, to_alone = 0, largest = 0;
+      direct.for_own_cells([&](const Triple& at, const Triple& cell) {
+        const double value = direct.phi(at[0], at[1], at[2]);
+        to_iterated = std::max(to_iterated, std::abs(value - iterated.phi(cell[0], cell[1], cell[2])));
+        to_alone = std::max(to_alone, std::abs(value - alone.phi(cell[0], cell[1], cell[2])));
+        largest = std::max(largest, std::abs(value));
+      });
+      // The multigrid stops at 1e-12 of the source; the inverse of div grad and its round-off stand between.
+      EXPECT_LT(to_iterated, 1e-10 * largest) << name;
+      // The products are of the same shape on any number of ranks; the mean that is taken out differs in its last
+      // digits.
+      EXPECT_LE(to_alone, 1e-12 * largest) << name;
+      EXPECT_EQ(direct.report.cycles, 0);
+    }
+  }
+}
+
+TEST(PressureDirect, FastDiagonalisationTakesOddPeriodicDirectionsWhichAutomaticKnows) {
+  Case c{{stretched(20, 2), stretched(17, 1), stretched(24, 3)}};
+  c.is_periodic[1] = true;
+  const Solution solution(c, MPI_COMM_WORLD, shapes(3).back(), rough, PressureMethod::automatic);
+  EXPECT_LT(solution.report.true_residual, 2e-12 * solution.report.source_norm);  // round-off of sums over 20 cells
+}
+
+TEST(PressureDirect, BodiesAreRefused) {
+  Case c{{stretched(20, 2), stretched(16, 1), stretched(24, 3)}};
+  c.is_fluid = [](double x, double, double) { return x < 0.5; };
+  EXPECT_THROW(Solution(c, MPI_COMM_WORLD, shapes(3).back(), rough, PressureMethod::fast_diagonalisation),
+               report::SceneError);
 }
 
 /// Observed order between two grids, the second twice as fine.
