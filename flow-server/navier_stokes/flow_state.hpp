@@ -25,9 +25,8 @@ struct FlowState {
   double last_step = std::numeric_limits<double>::quiet_NaN();  // [s]; not a number: none was taken yet
   std::array<Field<double>, 3> velocity;                        // [m/s]
   Field<double> pressure;                                       // [Pa]
-  // Largest sum of |u| / dx [1/s] and largest speed [m/s] of the velocity on all ranks; not a number: not known.
-  double courant_rate = std::numeric_limits<double>::quiet_NaN();
-  double largest_speed = std::numeric_limits<double>::quiet_NaN();
+  double courant_rate = 0;   // largest sum of |u| / dx of the velocity on all ranks [1/s]
+  double largest_speed = 0;  // of the velocity on all ranks [m/s]
   RateKind rate_kind = RateKind::none;
   std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none
 };

@@ -96,7 +96,7 @@ struct FractionalStep::Parts {
   }
 
   void shape(FlowState& state) const;
-  StepRates rates_of(const FlowState& state);
+  void measure_speed(FlowState& state);
   void predict(const FlowState& from, double dt, TimeScheme scheme, FlowState& to);
   void predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to);
   void predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to);
@@ -163,7 +163,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   const FlowState* from = &start;
   for (double done = 0; done < duration;) {
     // Planned once; again where the flow has become faster than the plan allows.
-    const StepRates rates = parts.rates_of(*from);
+    const StepRates rates{from->courant_rate, parts.diffusion};
     if (plan.n_steps == 0 ||
         (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
@@ -276,6 +276,7 @@ void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, dou
       combine(from.velocity, -0.5, from.velocity, carrier);
       combine(carrier, 0.5, to.velocity, carrier);
     }
+    border.fill_velocity_ghosts(carrier);  // beyond openings
     border.set_time(from.time, 0, from.velocity);
     border.remember();
     border.set_time(from.time + dt, dt, from.velocity);
@@ -321,8 +322,7 @@ void FractionalStep::Parts::damp_openings(double dt, const FlowState& from, Vect
 /// div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
-  const double speed = std::isfinite(from.largest_speed) ? from.largest_speed : 0;
-  const double source_of_tolerance = setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
+  const double source_of_tolerance = setup.pressure.divergence_tolerance * from.largest_speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
     solved =
@@ -407,7 +407,7 @@ void FractionalStep::fill_ghosts(FlowState& state) {
   parts.border.impose(state.velocity, false);
   parts.finish_state(state);
   if (state.rate_kind == RateKind::mean_acceleration) parts.exchange.exchange(parts.pointers(state.rate), 1);
-  state.courant_rate = state.largest_speed = std::numeric_limits<double>::quiet_NaN();
+  parts.measure_speed(state);
 }
 
 /// The given velocity, projected: u -= grad phi with div grad phi = div u.
@@ -492,12 +492,13 @@ void FractionalStep::Parts::shape(FlowState& state) const {
   }
 }
 
-StepRates FractionalStep::Parts::rates_of(const FlowState& state) {
-  if (std::isfinite(state.courant_rate)) return {state.courant_rate, diffusion};
+/// Collective: what the steps from this state on are planned with.
+void FractionalStep::Parts::measure_speed(FlowState& state) {
   const FlowMeasure measured = reduce(measure(block, state.velocity), decomposition.communicator());
   n_reductions += 2;
   if (!std::isfinite(measured.divergence_sum)) require_finite(state.velocity, state.time);
-  return {measured.courant_rate, diffusion};
+  state.courant_rate = measured.courant_rate;
+  state.largest_speed = measured.speed;
 }
 
 /// Calls work(box) for boxes that together hold everything once; those at the surface after the ghosts have come.

@@ -38,7 +38,8 @@ class FractionalStep {
   /// The state at t = 0: the initial velocity made free of divergence, ghosts filled.
   FlowState initial_state();
 
-  /// Fills the ghosts of velocity and pressure for the time of the state: after a restart.
+  /// Collective. Fills ghosts and speeds of a state whose times, velocity, pressure and rate were set: after a restart.
+  /// Faces at the start of the block (entry -1) on openings and outflows of the border are part of what must be set.
   void fill_ghosts(FlowState& state);
 
   /// Solves over `duration` [s] in as many equal steps as stability asks for. `start` stays as it is; `end` may be any

@@ -59,8 +59,6 @@ TEST_P(FlowOrder, InSpace) {
   std::vector<Errors> errors;
   for (const int n : {16, 32, 64})
     errors.push_back(run(exact, ethier_steinman(exact, n, stretching, scheme), 0.05, n / 4));
-  for (const Errors& e : errors)
-    printf("%g %g %g %g\n", e.velocity.rms, e.velocity.largest, e.pressure.rms, e.pressure.largest);
   for (std::size_t n = 2; n < errors.size(); ++n) {
     EXPECT_GE(order_between(errors[n - 1].velocity.rms, errors[n].velocity.rms), 1.9);
     EXPECT_GE(order_between(errors[n - 1].velocity.largest, errors[n].velocity.largest), 1.9);
