@@ -1,16 +1,13 @@
 #include "flow-server/grid/halo_exchange.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace couplet::flow {
 
 namespace {
 
-constexpr int first_tag = 100;  // 27 tags, one a direction
-
-int tag_of(const Triple& offset) {
-  return first_tag + (offset[0] + 1) + 3 * (offset[1] + 1) + 9 * (offset[2] + 1);
-}
+constexpr int ghost_tag = 100;
 
 /// Ghost layers exist only in directions where the field has them: not across a two-dimensional grid.
 template <class Number>
@@ -48,9 +45,12 @@ HaloExchange::HaloExchange(const BlockDecomposition& decomposition)
     for (int y = -1; y <= 1; ++y)
       for (int x = -1; x <= 1; ++x) {
         const Triple offset{x, y, z};
-        if (offset == Triple{0, 0, 0}) continue;
-        const int neighbour = decomposition.neighbour(offset);
-        if (neighbour != MPI_PROC_NULL) neighbours_.push_back({offset, neighbour, {}, {}});
+        const int rank = decomposition.neighbour(offset);
+        if (offset == Triple{0, 0, 0} || rank == MPI_PROC_NULL) continue;
+        auto known = std::find_if(neighbours_.begin(), neighbours_.end(),
+                                  [&](const Neighbour& neighbour) { return neighbour.rank == rank; });
+        if (known == neighbours_.end()) known = neighbours_.insert(known, {rank, {}, {}, {}});
+        known->offsets.push_back(offset);
       }
 }
 
@@ -80,31 +80,30 @@ void HaloExchange::start(const std::vector<Field<Number>*>& fields, int depth) {
   depth_ = depth;
   requests_.clear();
   for (Neighbour& neighbour : neighbours_) {
-    const Triple opposite{-neighbour.offset[0], -neighbour.offset[1], -neighbour.offset[2]};
-    std::size_t n_bytes = 0, n_expected = 0;
+    std::int64_t n_sent = 0, n_received = 0;
     for (const Field<Number>* field : fields) {
       const Triple layers = depth_in(*field, depth);
-      n_bytes +=
-          static_cast<std::size_t>(sent_box(neighbour.offset, field->sizes(), layers).n_cells()) * sizeof(Number);
-      n_expected +=
-          static_cast<std::size_t>(received_box(neighbour.offset, field->sizes(), layers).n_cells()) * sizeof(Number);
+      for (const Triple& offset : neighbour.offsets) {
+        n_sent += sent_box(offset, field->sizes(), layers).n_cells();
+        n_received += received_box(offset, field->sizes(), layers).n_cells();
+      }
     }
-    neighbour.outgoing.resize(n_bytes);
-    neighbour.incoming.resize(n_expected);
-    if (neighbour.rank != rank_ && n_expected > 0) {
-      requests_.emplace_back();
-      MPI_Irecv(neighbour.incoming.data(), static_cast<int>(n_expected), MPI_BYTE, neighbour.rank, tag_of(opposite),
-                communicator_, &requests_.back());
-    }
+    neighbour.outgoing.resize(static_cast<std::size_t>(n_sent) * sizeof(Number));
+    neighbour.incoming.resize(static_cast<std::size_t>(n_received) * sizeof(Number));
+    if (neighbour.rank == rank_ || n_received == 0) continue;
+    requests_.emplace_back();
+    MPI_Irecv(neighbour.incoming.data(), static_cast<int>(neighbour.incoming.size()), MPI_BYTE, neighbour.rank,
+              ghost_tag, communicator_, &requests_.back());
   }
   for (Neighbour& neighbour : neighbours_) {
     std::byte* to = neighbour.outgoing.data();
     for (const Field<Number>* field : fields)
-      to = pack(*field, sent_box(neighbour.offset, field->sizes(), depth_in(*field, depth)), to);
+      for (const Triple& offset : neighbour.offsets)
+        to = pack(*field, sent_box(offset, field->sizes(), depth_in(*field, depth)), to);
     if (neighbour.rank == rank_ || neighbour.outgoing.empty()) continue;
     requests_.emplace_back();
     MPI_Isend(neighbour.outgoing.data(), static_cast<int>(neighbour.outgoing.size()), MPI_BYTE, neighbour.rank,
-              tag_of(neighbour.offset), communicator_, &requests_.back());
+              ghost_tag, communicator_, &requests_.back());
     ++traffic_.messages;
     traffic_.bytes += static_cast<std::int64_t>(neighbour.outgoing.size());
   }
@@ -113,18 +112,12 @@ void HaloExchange::start(const std::vector<Field<Number>*>& fields, int depth) {
 template <class Number>
 void HaloExchange::finish(const std::vector<Field<Number>*>& fields) {
   MPI_Waitall(static_cast<int>(requests_.size()), requests_.data(), MPI_STATUSES_IGNORE);
-  for (Neighbour& neighbour : neighbours_) {
-    const std::byte* from = neighbour.incoming.data();
-    if (neighbour.rank == rank_) {
-      // A periodic direction with one block: what leaves on the other side comes in here.
-      for (const Neighbour& other : neighbours_) {
-        if (other.offset[0] == -neighbour.offset[0] && other.offset[1] == -neighbour.offset[1] &&
-            other.offset[2] == -neighbour.offset[2])
-          from = other.outgoing.data();
-      }
-    }
+  for (const Neighbour& neighbour : neighbours_) {
+    // A rank beside itself, across a periodic direction: what leaves on one side comes in on the other.
+    const std::byte* from = neighbour.rank == rank_ ? neighbour.outgoing.data() : neighbour.incoming.data();
     for (Field<Number>* field : fields)
-      from = unpack(*field, received_box(neighbour.offset, field->sizes(), depth_in(*field, depth_)), from);
+      for (auto offset = neighbour.offsets.rbegin(); offset != neighbour.offsets.rend(); ++offset)
+        from = unpack(*field, received_box(*offset, field->sizes(), depth_in(*field, depth_)), from);
   }
 }
 

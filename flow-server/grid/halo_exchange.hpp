@@ -14,8 +14,9 @@ namespace couplet::flow {
 
 /// Fills the outermost `depth` ghost layers that other blocks own (edges and corners too) from their owners; periodic
 /// directions wrap. Ghosts beyond a border of the whole are the caller's; beside a border they travel along with the
-/// cells, so that neighbours agree on them. One message a neighbour, whatever the number of fields. An exchange between
-/// start and finish is under way while the caller works on what needs no ghosts; only one is under way at a time.
+/// cells, so that neighbours agree on them. One message to each rank beside mine, whatever the number of fields. An
+/// exchange between start and finish is under way while the caller works on what needs no ghosts; only one is under way
+/// at a time.
 class HaloExchange {
  public:
   explicit HaloExchange(const BlockDecomposition& decomposition);
@@ -34,9 +35,11 @@ class HaloExchange {
   const Traffic& traffic() const { return traffic_; }
 
  private:
+  /// A rank that owns blocks beside mine: one or, across a periodic direction with few blocks, several at once. What it
+  /// sees at -offset is what I see at offset: it packs in rising, I unpack in falling order.
   struct Neighbour {
-    Triple offset;
     int rank;
+    std::vector<Triple> offsets;  // in rising order
     std::vector<std::byte> outgoing, incoming;
   };
   Box sent_box(const Triple& offset, const Triple& sizes, const Triple& depth) const;

@@ -47,11 +47,11 @@ def read_history(folder):
     return {name: values[:, i] for i, name in enumerate(names)}
 
 
-def read_reference(path):
-    """The columns of a table by name; lines that start with # are words."""
+def read_reference(path, words=()):
+    """The columns of a table by name; those named in `words` hold words, the others numbers."""
     with open(path, newline="") as file:
-        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
-    return {name: numpy.array([float(row[name]) for row in rows]) for name in rows[0]}
+        rows = list(csv.DictReader(file))
+    return {name: numpy.array([row[name] if name in words else float(row[name]) for row in rows]) for name in rows[0]}
 
 
 def core_seconds(folder):
