@@ -16,6 +16,9 @@ COUPLET = os.environ["COUPLET"]
 FLOW_SERVER = os.environ["FLOW_SERVER"]
 # Sums over ranks and the coarse levels of the pressure solver are cut differently: round-off of some hundred steps.
 ROUND_OFF = 1e-10
+# Coarse levels in single precision round differently where they are cut (1e-7); that shows in a pressure which is solved for
+# to 1e-3 of its increment, and hardly in the velocity, which sees its gradient times the step.
+PRESSURE_ROUND_OFF = 1e-9
 # What is left of the residual and of the divergence is itself of the size of the tolerance.
 LEFT_OVER = ("flow.divergence", "flow.pressure_residual")
 
@@ -45,6 +48,13 @@ flow {
 }
 output { results_interval: 0.1  checkpoints { every_steps: 10 } }
 """
+
+
+def allowed(name):
+    if "pressure" in name:
+        return PRESSURE_ROUND_OFF
+    # A root of the gradient's invariants: where it is nearly 0, differences grow as roots do.
+    return 1e-8 if name == "swirling_strength" else ROUND_OFF
 
 
 class RunTest(unittest.TestCase):
@@ -84,7 +94,7 @@ class RunTest(unittest.TestCase):
                 for column, name in enumerate(names):
                     if name not in LEFT_OVER:
                         distance = numpy.abs(found[:, column] - expected[:, column]).max()
-                        self.assertLessEqual(distance, ROUND_OFF * scale[column], name)
+                        self.assertLessEqual(distance, allowed(name) * scale[column], name)
                 self.expect_same_fields(one, out)
 
     def expect_same_fields(self, one, other):
@@ -93,7 +103,7 @@ class RunTest(unittest.TestCase):
             last = f"state/{list(a['state'])[-1]}/flow"
             for name in a[last]:
                 scale = numpy.abs(a[f"{last}/{name}"][()]).max()
-                self.assertLessEqual(numpy.abs(a[f"{last}/{name}"][()] - b[f"{last}/{name}"][()]).max(), ROUND_OFF * scale * 10, name)
+                self.assertLessEqual(numpy.abs(a[f"{last}/{name}"][()] - b[f"{last}/{name}"][()]).max(), allowed(name) * scale, name)
 
     def test_an_interrupted_run_continues_with_equal_bits(self):
         for n in ("1", "2"):
