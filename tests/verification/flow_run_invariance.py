@@ -14,6 +14,9 @@ import numpy
 
 COUPLET = os.environ["COUPLET"]
 FLOW_SERVER = os.environ["FLOW_SERVER"]
+FLOW_SESSION = os.environ["FLOW_SESSION"]
+MPIRUN = ["mpirun", "--oversubscribe", "--bind-to", "none"]
+MPI_ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
 # Sums over ranks and the coarse levels of the pressure solver are cut differently: round-off of some hundred steps.
 ROUND_OFF = 1e-10
 # Coarse levels in single precision round differently where they are cut (1e-7); that shows in a pressure which is solved for
@@ -57,13 +60,15 @@ def allowed(name):
     return 1e-8 if name == "swirling_strength" else ROUND_OFF
 
 
-class RunTest(unittest.TestCase):
+class FlowCase(unittest.TestCase):
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory(prefix="couplet flow ")
         self.folder = Path(self.temporary.name)
         self.addCleanup(self.temporary.cleanup)
         (self.folder / "scene.txtpb").write_text(DUCT)
 
+
+class RunTest(FlowCase):
     def run_flow(self, name, *options):
         out = self.folder / name
         done = subprocess.run([COUPLET, "run", str(self.folder / "scene.txtpb"), "--out", str(out), "--quiet", "--no-report",
@@ -125,6 +130,49 @@ class RunTest(unittest.TestCase):
         names, rows = self.history(out)
         self.assertEqual(len(rows), 5)
         self.assertLess(rows[-1, names.index("flow.divergence")], 1e-2)
+
+
+class ServedTest(FlowCase):
+    """A flow server on one or two ranks answers a coupler over either transport with the same numbers."""
+
+    def serve(self, n_ranks, transport):
+        scene, checkpoint = str(self.folder / "scene.txtpb"), str(self.folder / f"{transport}{n_ranks}.h5")
+        environment = os.environ | MPI_ENVIRONMENT
+        if transport == "mpi":
+            command = [*MPIRUN, "-n", "1", FLOW_SESSION, scene, "mpi", checkpoint, ":", "-n", str(n_ranks), FLOW_SERVER, "serve",
+                       "--transport", "mpi"]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=environment)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return done.stdout.splitlines(), checkpoint
+        launcher = [*MPIRUN, "-n", str(n_ranks)] if n_ranks > 1 else []
+        address = f"ipc://@couplet-served-{os.getpid()}-{n_ranks}"
+        with subprocess.Popen([*launcher, FLOW_SERVER, "serve", "--listen", address], stdout=subprocess.PIPE, text=True,
+                              env=environment) as server:
+            try:
+                self.assertIn("listening", server.stdout.readline())
+                done = subprocess.run([FLOW_SESSION, scene, "zmq", address, checkpoint], capture_output=True, text=True, timeout=60)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(server.wait(30), 0)
+            finally:
+                server.kill()
+        return done.stdout.splitlines(), checkpoint
+
+    def test_both_transports_and_two_ranks(self):
+        expected, checkpoint = self.serve(1, "zmq")
+        self.assertEqual(expected[-1], "ranks 1")
+        self.assertGreater(len(expected), 30)
+        for n_ranks, transport in ((2, "zmq"), (1, "mpi"), (2, "mpi")):
+            with self.subTest(ranks=n_ranks, transport=transport):
+                found, other = self.serve(n_ranks, transport)
+                self.assertEqual(found[-1], f"ranks {n_ranks}")
+                self.assertEqual(len(found), len(expected))
+                for line, reference in zip(found[:-1], expected[:-1]):
+                    self.assertEqual(line.split()[:2], reference.split()[:2])
+                    self.assertAlmostEqual(float(line.split()[2]), float(reference.split()[2]),
+                                           delta=PRESSURE_ROUND_OFF * max(1, abs(float(reference.split()[2]))))
+                with h5py.File(checkpoint) as a, h5py.File(other) as b:
+                    scale = numpy.abs(a["velocity_x"][()]).max()
+                    self.assertLessEqual(numpy.abs(a["velocity_x"][()] - b["velocity_x"][()]).max(), ROUND_OFF * scale)
 
 
 if __name__ == "__main__":
