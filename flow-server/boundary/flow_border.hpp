@@ -55,8 +55,9 @@ class FlowBorder {
 
   /// Keeps the present velocities of the border, so that changes from them can be told.
   void remember();
-  /// For each edge with a velocity `component` tangential to a border of `direction`: visit(cell next to the border, side,
-  /// weights that make the ghost from border, first and second value, change of the border's value since remember()).
+  /// For each edge with a velocity `component` tangential to a border of `direction`: visit(cell next to the border,
+  /// side, weights that make the ghost from border, first and second value, change of the border's value since
+  /// remember()).
   template <class Visit>
   void visit_tangential(int component, int direction, const std::array<Field<double>, 3>& velocity,
                         const Visit& visit) const {

@@ -26,9 +26,10 @@ class MomentumSweep {
  public:
   static constexpr bool three = n_dimensions == 3;
 
-  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
-                std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity)
+  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& carrier,
+                const std::array<Field<double>, 3>& velocity, const Field<double>& pressure,
+                const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
+                std::array<Field<double>, 3>& new_velocity)
       : block_(block),
         weights_(weights),
         carrier_(is_own_carrier ? velocity : carrier),
@@ -185,13 +186,26 @@ void sweep_rows(const FlowBlock& block, const Box& part, Sweep sweep) {
       }
 }
 
+/// The part of the shear at walls inside the grid that the sweep does not see.
+void add_inner_walls(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
+                     const std::array<Field<double>, 3>& velocity, std::array<Field<double>, 3>* rate,
+                     std::array<Field<double>, 3>& new_velocity) {
+  for (int c = 0; c < block.n_dimensions; ++c)
+    for (const InnerWall& wall : block.inner_walls[c]) {
+      if (!part.contains(wall.cell)) continue;
+      const auto [i, j, k] = wall.cell;
+      const double slowing = -weights.viscosity * wall.coefficient * velocity[c](i, j, k);
+      new_velocity[c](i, j, k) += weights.now * slowing;
+      if (rate) (*rate)[c](i, j, k) += slowing;
+    }
+}
+
 }  // namespace
 
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
                       const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                      const Field<double>& pressure,
-                      const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
-                      std::array<Field<double>, 3>& new_velocity) {
+                      const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
+                      std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity) {
   const auto with = [&]<int n_dimensions, bool is_own_carrier, bool reads_before, bool stores_rate>() {
     sweep_rows(block, part,
                MomentumSweep<n_dimensions, is_own_carrier, reads_before, stores_rate>(
@@ -210,6 +224,7 @@ void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWei
   } else {
     with_dimensions.template operator()<2>();
   }
+  add_inner_walls(block, part, weights, velocity, rate, new_velocity);
 }
 
 }  // namespace couplet::flow

@@ -18,13 +18,12 @@ struct MomentumWeights {
 
 /// Second-order central differences in flux form that conserve momentum, and kinetic energy where div u = 0
 /// [Verstappen and Veldman, J. Comput. Phys. 187 (2003) 343-368]. Reads one ghost layer of velocity and the pressure
-/// next to each face. `carrier` convects, it may be the velocity itself. Writes the faces of `part` that this rank computes, out of place. `rate_before`: not read where
-/// weights.before is 0; `rate`: where not null the rate of old [m/s^2] is stored, may be the same fields as
-/// rate_before.
+/// next to each face. `carrier` convects, it may be the velocity itself. Writes the faces of `part` that this rank
+/// computes, out of place. `rate_before`: not read where weights.before is 0; `rate`: where not null the rate of old
+/// [m/s^2] is stored, may be the same fields as rate_before.
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
                       const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                      const Field<double>& pressure,
-                      const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
-                      std::array<Field<double>, 3>& new_velocity);
+                      const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
+                      std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity);
 
 }  // namespace couplet::flow

@@ -34,6 +34,14 @@ struct AxisMetrics {
   AxisValues share;                  // width(i) / (width(i) + width(i + 1))
 };
 
+/// A face with a tangential wall along cell faces inside the grid, where fluid ends: the velocity beyond is 0 in
+/// memory, but the wall stands half a cell nearer. What the shear lacks is viscosity * coefficient * velocity.
+struct InnerWall {
+  Triple cell;
+  int direction;       // normal to the wall
+  double coefficient;  // [1/m^2]
+};
+
 struct FlowBlock {
   const StretchedGrid* grid = nullptr;
   const BlockDecomposition* decomposition = nullptr;
@@ -45,6 +53,7 @@ struct FlowBlock {
   /// Faces whose velocity is unknown: fluid on both sides, or an opening of the border. Those at the start of the block
   /// (-1) are listed too, whoever owns them.
   std::array<ActiveCells, 3> faces{ActiveCells::all({}), ActiveCells::all({}), ActiveCells::all({})};
+  std::array<std::vector<InnerWall>, 3> inner_walls;  // of each component
 
   /// Faces of direction d that this rank computes: those at its start only on the border of the grid.
   Box computed_faces(int d) const {

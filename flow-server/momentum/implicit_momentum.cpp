@@ -5,7 +5,11 @@
 namespace couplet::flow {
 
 ImplicitMomentum::ImplicitMomentum(const FlowBlock& block, const FlowBorder& border)
-    : block_(block), border_(border), lower_(block.new_field()), diagonal_(block.new_field()), upper_(block.new_field()) {
+    : block_(block),
+      border_(border),
+      lower_(block.new_field()),
+      diagonal_(block.new_field()),
+      upper_(block.new_field()) {
   for (int d = 0; d < block.n_dimensions; ++d) lines_[d] = std::make_unique<LineSolver>(*block.decomposition, d);
 }
 
@@ -14,6 +18,7 @@ void ImplicitMomentum::solve(double half_step, double viscosity, const std::arra
   for (int c = 0; c < block_.n_dimensions; ++c)
     for (int d = block_.n_dimensions - 1; d >= 0; --d) {
       fill_rows(c, d, half_step, viscosity, carrier);
+      add_inner_walls(c, d, half_step, viscosity);
       close_rows(c, d, carrier, change[c]);
       lines_[d]->solve(lower_, diagonal_, upper_, change[c]);
     }
@@ -48,8 +53,9 @@ void ImplicitMomentum::fill_rows(int c, int d, double half_step, double viscosit
 #pragma GCC ivdep
           for (int i = begin; i < end; ++i) {
             const int n = d == 0 ? i : cell[d];
-            set(i, 0.5 * (speed[i - step] + speed[i]), 0.5 * (speed[i] + speed[i + step]), along.inverse_control_width[n],
-                viscosity * along.inverse_width[n], viscosity * along.inverse_width[n + 1]);
+            set(i, 0.5 * (speed[i - step] + speed[i]), 0.5 * (speed[i] + speed[i + step]),
+                along.inverse_control_width[n], viscosity * along.inverse_width[n],
+                viscosity * along.inverse_width[n + 1]);
           }
         } else {
           const AxisMetrics& across = block_.axis[c];
@@ -65,6 +71,13 @@ void ImplicitMomentum::fill_rows(int c, int d, double half_step, double viscosit
         }
       });
     }
+}
+
+/// More shear at walls inside the grid.
+void ImplicitMomentum::add_inner_walls(int c, int d, double half_step, double viscosity) {
+  for (const InnerWall& wall : block_.inner_walls[c])
+    if (wall.direction == d)
+      diagonal_(wall.cell[0], wall.cell[1], wall.cell[2]) += half_step * viscosity * wall.coefficient;
 }
 
 /// The ends of lines at borders: the known change there goes to the right side, the ghost into the matrix.
@@ -83,16 +96,17 @@ void ImplicitMomentum::close_rows(int c, int d, const std::array<Field<double>, 
         }
     return;
   }
-  border_.visit_tangential(c, d, carrier, [&](const Triple& cell, int side, const GhostWeights& ghost, double border_change) {
-    if (cell[c] < 0) return;
-    Field<double>& outward = side == 0 ? lower_ : upper_;
-    Field<double>& inward = side == 0 ? upper_ : lower_;
-    double& coefficient = outward(cell[0], cell[1], cell[2]);
-    change(cell[0], cell[1], cell[2]) -= coefficient * ghost.border * border_change;
-    diagonal_(cell[0], cell[1], cell[2]) += coefficient * ghost.first;
-    inward(cell[0], cell[1], cell[2]) += coefficient * ghost.second;
-    coefficient = 0;
-  });
+  border_.visit_tangential(c, d, carrier,
+                           [&](const Triple& cell, int side, const GhostWeights& ghost, double border_change) {
+                             if (cell[c] < 0) return;
+                             Field<double>& outward = side == 0 ? lower_ : upper_;
+                             Field<double>& inward = side == 0 ? upper_ : lower_;
+                             double& coefficient = outward(cell[0], cell[1], cell[2]);
+                             change(cell[0], cell[1], cell[2]) -= coefficient * ghost.border * border_change;
+                             diagonal_(cell[0], cell[1], cell[2]) += coefficient * ghost.first;
+                             inward(cell[0], cell[1], cell[2]) += coefficient * ghost.second;
+                             coefficient = 0;
+                           });
 }
 
 Traffic ImplicitMomentum::traffic() const {

@@ -10,17 +10,18 @@
 namespace couplet::flow {
 
 /// (1 + dt/2 L_x) (1 + dt/2 L_y) (1 + dt/2 L_z) change = right side, where L_d is the discrete convection by a given
-/// velocity less diffusion along direction d: the same fluxes as those of explicit_momentum.hpp. The factors differ from
-/// 1 + dt/2 L by dt^2/4 L_x L_y, times a change that is itself of the order of dt [R. M. Beam, R. F. Warming, AIAA J. 16
-/// (1978) 393-402].
+/// velocity less diffusion along direction d: the same fluxes as those of explicit_momentum.hpp. The factors differ
+/// from 1 + dt/2 L by dt^2/4 L_x L_y, times a change that is itself of the order of dt [R. M. Beam, R. F. Warming, AIAA
+/// J. 16 (1978) 393-402].
 class ImplicitMomentum {
  public:
   /// Both must outlive this. Collective.
   ImplicitMomentum(const FlowBlock& block, const FlowBorder& border);
 
-  /// Collective. `change`: the right side on entry, the change of velocity over the step on return. Its entries on faces
-  /// whose velocity is known are that velocity's change, before and after. `carrier`: the convecting velocity with its
-  /// inner ghost layer. The border must hold the values of the end of the step and remember those of its beginning.
+  /// Collective. `change`: the right side on entry, the change of velocity over the step on return. Its entries on
+  /// faces whose velocity is known are that velocity's change, before and after. `carrier`: the convecting velocity
+  /// with its inner ghost layer. The border must hold the values of the end of the step and remember those of its
+  /// beginning.
   void solve(double half_step, double viscosity, const std::array<Field<double>, 3>& carrier,
              std::array<Field<double>, 3>& change);
 
@@ -30,6 +31,7 @@ class ImplicitMomentum {
  private:
   void fill_rows(int component, int direction, double half_step, double viscosity,
                  const std::array<Field<double>, 3>& carrier);
+  void add_inner_walls(int component, int direction, double half_step, double viscosity);
   void close_rows(int component, int direction, const std::array<Field<double>, 3>& carrier, Field<double>& change);
 
   const FlowBlock& block_;

@@ -4,6 +4,39 @@
 
 namespace couplet::flow {
 
+namespace {
+
+/// Faces with unknown velocity next to one, across, that is closed; but for those on the border of the grid, beside
+/// which the velocity is that of the border's patches.
+void find_inner_walls(FlowBlock& block) {
+  for (int c = 0; c < block.n_dimensions; ++c) {
+    const Box box = block.computed_faces(c);
+    for (int k = box.begin[2]; k < box.end[2]; ++k)
+      for (int j = box.begin[1]; j < box.end[1]; ++j)
+        for_each_interval(block.faces[c], j, k, box.begin[0], box.end[0], [&](int begin, int end) {
+          for (int i = begin; i < end; ++i) {
+            const int along = Triple{i, j, k}[c];
+            if (along == -1 || (along == block.sizes[c] - 1 && block.decomposition->is_at_border(c, 1))) continue;
+            for (int d = 0; d < block.n_dimensions; ++d)
+              for (int side = 0; side < 2 && d != c; ++side) {
+                const Triple cell{i, j, k};
+                Triple beside = cell;
+                beside[d] += side == 0 ? -1 : 1;
+                const bool is_border =
+                    block.decomposition->is_at_border(d, side) && (beside[d] < 0 || beside[d] >= block.sizes[d]);
+                if (is_border || block.faces[c].contains(beside[0], beside[1], beside[2])) continue;
+                const AxisMetrics& axis = block.axis[d];
+                const double over = axis.inverse_width[cell[d]];
+                block.inner_walls[c].push_back(
+                    {cell, d, over * (2 * over - axis.inverse_distance[side == 0 ? cell[d] - 1 : cell[d]])});
+              }
+          }
+        });
+  }
+}
+
+}  // namespace
+
 FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecomposition& decomposition,
                           const FlowBorder& border) {
   FlowBlock block;
@@ -35,18 +68,24 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
                                                     })
                                : ActiveCells::all(all);
   for (int d = 0; d < block.n_dimensions; ++d) {
-    Box range = all;
-    range.begin[d] = -1;
+    // With walls inside the grid also the faces beside the block, to see whether they are closed.
+    Box range = setup.is_fluid ? all.grown({1, 1, block.n_dimensions == 3 ? 1 : 0}) : all;
+    range.begin[d] = -1, range.end[d] = block.sizes[d];
     block.faces[d] = ActiveCells::where(range, [&](int i, int j, int k) {
       const Triple cell{i, j, k};
       Triple next = cell;
       ++next[d];
+      const bool is_on_border = (cell[d] == -1 && decomposition.is_at_border(d, 0)) ||
+                                (next[d] == block.sizes[d] && decomposition.is_at_border(d, 1));
+      for (int e = 0; e < 3; ++e)
+        if (is_on_border && e != d && (cell[e] < 0 || cell[e] >= block.sizes[e])) return false;  // nobody asks
       if (cell[d] == -1 && decomposition.is_at_border(d, 0)) return border.kind(d, 0, next) == BorderKind::opening;
       if (next[d] == block.sizes[d] && decomposition.is_at_border(d, 1))
         return border.kind(d, 1, cell) == BorderKind::opening;
       return is_fluid(cell) && is_fluid(next);
     });
   }
+  if (setup.is_fluid) find_inner_walls(block);
   return block;
 }
 

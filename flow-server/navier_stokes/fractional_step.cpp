@@ -133,9 +133,9 @@ struct FractionalStep::Parts {
   Box inner;  // cells whose stencils need no ghosts
   bool has_other_ranks = false;
   std::unique_ptr<ImplicitMomentum> implicit;  // Crank-Nicolson only
-  VectorField stage;  // of Runge-Kutta; the convecting velocity of Crank-Nicolson
-  VectorField rate;   // of Runge-Kutta
-  FlowState spare;    // of several steps in one interval
+  VectorField stage;                           // of Runge-Kutta; the convecting velocity of Crank-Nicolson
+  VectorField rate;                            // of Runge-Kutta
+  FlowState spare;                             // of several steps in one interval
   std::int64_t n_reductions = 0;
 };
 
@@ -210,7 +210,8 @@ void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, do
                                 .pressure = dt / setup.density,
                                 .impulse = impulse(middle, dt),
                                 .viscosity = nu};
-  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &from.rate, &to.rate, to.velocity);
+  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &from.rate, &to.rate,
+                   to.velocity);
   add_force(middle, dt, false, to.velocity);
   border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
   border.set_time(from.time + dt, dt, from.velocity);
@@ -236,7 +237,8 @@ void FractionalStep::Parts::predict_by_runge_kutta(const FlowState& from, double
                                   .viscosity = nu};
     VectorField& fresh = s == 1 ? stage : to.velocity;
     if (s == 0) {
-      advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, nullptr, &first_rate, fresh);
+      advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, nullptr, &first_rate,
+                       fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage;
       around_exchange(old, true, [&](const Box& box) {
@@ -280,7 +282,8 @@ void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, dou
     border.remember();
     border.set_time(from.time + dt, dt, from.velocity);
 
-    advance_momentum(block, everything(), weights, carrier, from.velocity, from.pressure, nullptr, nullptr, to.velocity);
+    advance_momentum(block, everything(), weights, carrier, from.velocity, from.pressure, nullptr, nullptr,
+                     to.velocity);
     add_force(middle, dt, false, to.velocity);
     border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
     damp_openings(dt, from, to.velocity);
@@ -321,7 +324,8 @@ void FractionalStep::Parts::damp_openings(double dt, const FlowState& from, Vect
 /// div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
-  const double source_of_tolerance = setup.pressure.divergence_tolerance * from.largest_speed / smallest_width * setup.density / dt;
+  const double source_of_tolerance =
+      setup.pressure.divergence_tolerance * from.largest_speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
     solved =
@@ -468,7 +472,8 @@ void FractionalStep::Parts::find_initial_pressure(FlowState& state) {
   border.fill_velocity_ghosts(state.velocity);
   VectorField slope = block.new_vector_field(), unused = block.new_vector_field();
   const MomentumWeights weights{.now = 1, .before = 0, .pressure = 0, .impulse = {}, .viscosity = nu};
-  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope, unused);
+  advance_momentum(block, everything(), weights, state.velocity, state.velocity, state.pressure, nullptr, &slope,
+                   unused);
   add_force(0, 1, true, slope);
   border.add_pressure_change(1 / setup.density, state.pressure, slope);
   // Known velocities of the border: their change over a time that is short for the flow.

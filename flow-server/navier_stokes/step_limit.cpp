@@ -11,7 +11,7 @@ namespace {
 /// (c dt / courant)^2 + (d dt / diffusion)^2 <= 1, which lies inside the stability region of the scheme.
 struct SchemeLimit {
   double courant, diffusion;
-  double cost;  // of a step [ns a cell]; measured on one core, 50 of each for the pressure
+  double cost;  // of a step [ns a cell]; measured on one core at 128^3, some 30 of each for the pressure
 };
 
 SchemeLimit limit_of(TimeScheme scheme) {
@@ -19,18 +19,18 @@ SchemeLimit limit_of(TimeScheme scheme) {
     case TimeScheme::adams_bashforth:
       // Stable for d dt <= 1. Pure convection grows by (c dt)^4 / 4 a step [Durran, Mon. Wea. Rev. 119 (1991) 702-720]:
       // 0.2 % at 0.3, less than what diffusion takes out of the shortest waves of a resolved flow.
-      return {0.3, 0.9, 80};
+      return {0.3, 0.9, 60};
     case TimeScheme::crank_nicolson:
       // Stable without limit; beyond a Courant number of one the error of the factorisation and of the extrapolated
       // convecting velocity is larger than that of space.
-      return {1.0, std::numeric_limits<double>::infinity(), 230};
+      return {1.0, std::numeric_limits<double>::infinity(), 150};
     case TimeScheme::runge_kutta:
     case TimeScheme::automatic:
       break;
   }
   // The region of third-order Runge-Kutta cuts the axes at 1.73 i and -2.51; 1.2 leaves room for a flow that speeds up
   // within the interval, and keeps the error in time below that in space.
-  return {1.2, 2.3, 125};
+  return {1.2, 2.3, 85};
 }
 
 }  // namespace

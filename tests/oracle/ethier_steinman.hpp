@@ -1,5 +1,5 @@
 #pragma once
-// Exact solutions of the Navier-Stokes equations.
+// An exact solution of the Navier-Stokes equations.
 
 #include <cmath>
 #include <numbers>

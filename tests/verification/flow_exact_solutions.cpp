@@ -57,19 +57,16 @@ TEST_P(FlowOrder, InSpace) {
   const auto [scheme, stretching] = GetParam();
   const EthierSteinman exact{0.1};
   std::vector<Errors> errors;
-  for (const int n : {16, 32, 64})
-    errors.push_back(run(exact, ethier_steinman(exact, n, stretching, scheme), 0.05, n / 4));
-  for (std::size_t n = 2; n < errors.size(); ++n) {
-    EXPECT_GE(order_between(errors[n - 1].velocity.rms, errors[n].velocity.rms), 1.9);
-    EXPECT_GE(order_between(errors[n - 1].velocity.largest, errors[n].velocity.largest), 1.9);
-    EXPECT_GE(order_between(errors[n - 1].pressure.rms, errors[n].pressure.rms), 1.9);
-    EXPECT_GE(order_between(errors[n - 1].pressure.largest, errors[n].pressure.largest), 1.9);
-  }
+  for (const int n : {32, 64}) errors.push_back(run(exact, ethier_steinman(exact, n, stretching, scheme), 0.05, n / 8));
+  EXPECT_GE(order_between(errors[0].velocity.rms, errors[1].velocity.rms), 1.9);
+  EXPECT_GE(order_between(errors[0].velocity.largest, errors[1].velocity.largest), 1.9);
+  EXPECT_GE(order_between(errors[0].pressure.rms, errors[1].pressure.rms), 1.9);
+  EXPECT_GE(order_between(errors[0].pressure.largest, errors[1].pressure.largest), 1.9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Schemes, FlowOrder,
                          testing::Combine(testing::Values(TimeScheme::adams_bashforth, TimeScheme::runge_kutta,
-                                          TimeScheme::crank_nicolson),
+                                                          TimeScheme::crank_nicolson),
                                           testing::Values(1.0, 3.0)));
 
 }  // namespace

@@ -36,7 +36,8 @@ NavierStokesSetup everything(TimeScheme scheme, int n_dimensions) {
   setup.pressure.relative_tolerance = 1e-12;
   setup.pressure.divergence_tolerance = 1e-15;
   PrescribedVelocity inlet;
-  inlet.velocity[0] = SpaceTimeValue([](const Point& p, double t) { return p[1] * (1 - p[1]) * (4 + std::sin(9 * t)); });
+  inlet.velocity[0] =
+      SpaceTimeValue([](const Point& p, double t) { return p[1] * (1 - p[1]) * (4 + std::sin(9 * t)); });
   setup.border[0][0] = {FacePatch{.name = "inlet", .condition = inlet}};
   setup.border[0][1] = {FacePatch{.name = "outflow", .condition = ConvectiveOutflow{}}};
   PrescribedVelocity lid;
@@ -56,7 +57,8 @@ NavierStokesSetup everything(TimeScheme scheme, int n_dimensions) {
 NavierStokesSetup openings(TimeScheme scheme, int n_dimensions) {
   NavierStokesSetup setup = everything(scheme, n_dimensions);
   const auto pressure = [](double amplitude) {
-    return PressureOpening{SpaceTimeValue([amplitude](const Point&, double t) { return amplitude * std::cos(40 * t); })};
+    return PressureOpening{
+        SpaceTimeValue([amplitude](const Point&, double t) { return amplitude * std::cos(40 * t); })};
   };
   setup.border[0][0] = {FacePatch{.name = "in", .from = {0, 0.2, -1}, .to = {0, 0.9, 2}, .condition = pressure(2)}};
   setup.border[0][1] = {FacePatch{.name = "out", .condition = pressure(-1)}};
@@ -102,7 +104,8 @@ TEST_P(FlowOnRanks, GivesTheNumbersOfOneRank) {
         for (int i = 0; i < mine.size(0); ++i) {
           const int x = mine.begin[0] + i, y = mine.begin[1] + j, z = mine.begin[2] + k;
           for (int c = 0; c < n_dimensions; ++c)
-            velocity = std::max(velocity, std::abs(alone.state.velocity[c](x, y, z) - together.state.velocity[c](i, j, k)));
+            velocity =
+                std::max(velocity, std::abs(alone.state.velocity[c](x, y, z) - together.state.velocity[c](i, j, k)));
           pressure = std::max(pressure, std::abs(alone.state.pressure(x, y, z) - together.state.pressure(i, j, k)));
         }
     // Sums over ranks differ by round-off, and the pressure solver stops at 1e-12 of its source.
@@ -122,7 +125,8 @@ INSTANTIATE_TEST_SUITE_P(Schemes, FlowOnRanks,
 bool same_bits(const Field<double>& a, const Field<double>& b) {
   for (int k = 0; k < a.sizes()[2]; ++k)
     for (int j = 0; j < a.sizes()[1]; ++j)
-      if (std::memcmp(a.row(j, k), b.row(j, k), static_cast<std::size_t>(a.sizes()[0]) * sizeof(double)) != 0) return false;
+      if (std::memcmp(a.row(j, k), b.row(j, k), static_cast<std::size_t>(a.sizes()[0]) * sizeof(double)) != 0)
+        return false;
   return true;
 }
 

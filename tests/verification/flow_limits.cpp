@@ -121,7 +121,8 @@ TEST_P(ParallelFlow, OfPoiseuilleIsExactWhereWidthsChangeLinearly) {
 
 TEST_P(ParallelFlow, BetweenOpeningsIsThatOfPoiseuilleFromRest) {
   NavierStokesSetup setup = slit(uniform_faces(0, 1, 8), GetParam());
-  setup.grid = box_grid({uniform_faces(0, 2, 8), uniform_faces(0, 1, 8), uniform_faces(0, 1, 1)}, {false, false, false}, 2);
+  setup.grid =
+      box_grid({uniform_faces(0, 2, 8), uniform_faces(0, 1, 8), uniform_faces(0, 1, 1)}, {false, false, false}, 2);
   const double drop = 2;  // over a length of 2
   setup.border[0][0] = {FacePatch{.name = "in", .condition = PressureOpening{drop}}};
   setup.border[0][1] = {FacePatch{.name = "out", .condition = PressureOpening{0.0}}};
@@ -133,7 +134,27 @@ TEST_P(ParallelFlow, BetweenOpeningsIsThatOfPoiseuilleFromRest) {
   EXPECT_LE(error_of(flow, state.pressure, -1, [&](const Point& p) { return drop - p[0]; }).largest, 1e-7 * drop);
 }
 
-/// u = Re{ G/(i w) (1 - cosh(k (y - 1/2)) / cosh(k/2)) e^{i w t} }, k^2 = i w / nu: the flow in a slit under G cos(w t).
+TEST_P(ParallelFlow, BetweenStaircaseWallsIsSecondOrder) {
+  // The slit is part of the grid; its walls lie along cell faces at y = 0 and 1.
+  std::vector<double> errors;
+  for (const int n : {12, 24}) {
+    NavierStokesSetup setup = slit(uniform_faces(-0.25, 1.25, n), GetParam());
+    setup.is_fluid = [](const Point& p) { return p[1] > 0 && p[1] < 1; };
+    setup.body_force[0] = 3;
+    const BlockDecomposition blocks = decompose(setup.grid);
+    FractionalStep flow(setup, blocks);
+    const FlowState state = march(flow, 20, 100);
+    const auto exact = [&](const Point& p) {
+      return p[1] > 0 && p[1] < 1 ? 0.5 * 3 / setup.viscosity * p[1] * (1 - p[1]) : 0.0;
+    };
+    errors.push_back(error_of(flow, state.velocity[0], 0, exact).largest);
+  }
+  EXPECT_LE(errors[0], 0.06);  // the linear ghost shifts the parabola by G h^2 / (8 mu) = 0.059
+  EXPECT_GE(order_between(errors[0], errors[1]), 1.9);
+}
+
+/// u = Re{ G/(i w) (1 - cosh(k (y - 1/2)) / cosh(k/2)) e^{i w t} }, k^2 = i w / nu: the flow in a slit under G cos(w
+/// t).
 double womersley(double y, double t, double viscosity, double frequency) {
   const std::complex<double> i(0, 1), k = std::sqrt(i * frequency / viscosity);
   return std::real((1.0 - std::cosh(k * (y - 0.5)) / std::cosh(0.5 * k)) / (i * frequency) *
@@ -152,8 +173,9 @@ TEST_P(ParallelFlow, OfWomersleyIsSecondOrder) {
     const BlockDecomposition blocks = decompose(setup.grid);
     FractionalStep flow(setup, blocks);
     const FlowState state = march(flow, end, 2 * n);
-    errors.push_back(
-        error_of(flow, state.velocity[0], 0, [&](const Point& p) { return womersley(p[1], end, viscosity, frequency); }).largest);
+    errors.push_back(error_of(flow, state.velocity[0], 0, [&](const Point& p) {
+                       return womersley(p[1], end, viscosity, frequency);
+                     }).largest);
   }
   EXPECT_GE(order_between(errors[0], errors[1]), 1.9);
 }
@@ -170,9 +192,11 @@ TEST_P(ParallelFlow, TwoDimensionalTaylorGreenIsSecondOrder) {
     const BlockDecomposition blocks = decompose(setup.grid);
     FractionalStep flow(setup, blocks);
     const FlowState state = march(flow, end, n / 2);
-    const double decay = std::exp(-2 * viscosity * end), pressure_decay = std::exp(-4 * viscosity * state.pressure_time);
+    const double decay = std::exp(-2 * viscosity * end),
+                 pressure_decay = std::exp(-4 * viscosity * state.pressure_time);
     errors.push_back(
-        {error_of(flow, state.velocity[0], 0, [&](const Point& p) { return decay * std::sin(p[0]) * std::cos(p[1]); }).largest,
+        {error_of(flow, state.velocity[0], 0, [&](const Point& p) { return decay * std::sin(p[0]) * std::cos(p[1]); })
+             .largest,
          error_of(
              flow, state.pressure, -1,
              [&](const Point& p) { return 0.25 * pressure_decay * (std::cos(2 * p[0]) + std::cos(2 * p[1])); }, true)
