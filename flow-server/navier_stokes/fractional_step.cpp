@@ -34,6 +34,8 @@ constexpr int initial_iterations = 200;
 
 /// Largest |div u| times the smallest width over the largest speed that a projection may leave.
 constexpr double largest_divergence = 0.05;
+/// A flow with smaller Courant numbers is at rest: what moves is round-off of forces that balance.
+constexpr double courant_at_rest = 1e-8;
 
 std::string text(double value) {
   std::ostringstream out;
@@ -101,6 +103,7 @@ struct FractionalStep::Parts {
   void predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to);
   void predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to);
   void predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to);
+  const VectorField& rate_before(const FlowState& from, const FlowState& to) const;
   void damp_openings(double dt, const FlowState& from, VectorField& velocity) const;
   void combine(const VectorField& a, double factor, const VectorField& b, VectorField& sum) const;
   AdvanceReport project(const FlowState& from, double dt, FlowState& to);
@@ -172,6 +175,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
 
     FlowState& to = from == &start ? end : parts.spare;
     parts.shape(to);
+    if (from == &end) to.rate = std::move(end.rate);  // no third copy: updated in place
     parts.predict(*from, dt, plan.scheme, to);
     AdvanceReport step = parts.project(*from, dt, to);
     if (&to == &parts.spare) std::swap(parts.spare, end);
@@ -200,6 +204,11 @@ void FractionalStep::Parts::predict(const FlowState& from, double dt, TimeScheme
   }
 }
 
+/// What the step before left behind: in the state it starts from, unless the memory was handed on.
+const VectorField& FractionalStep::Parts::rate_before(const FlowState& from, const FlowState& to) const {
+  return from.rate[0].is_empty() ? to.rate : from.rate;
+}
+
 /// u* = u + dt [(1 + r/2) R(u_n) - r/2 R(u_{n-1}) - grad p / rho + f], r = dt_n / dt_{n-1}
 void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to) {
   if (to.rate[0].is_empty()) to.rate = block.new_vector_field();
@@ -210,8 +219,8 @@ void FractionalStep::Parts::predict_by_adams_bashforth(const FlowState& from, do
                                 .pressure = dt / setup.density,
                                 .impulse = impulse(middle, dt),
                                 .viscosity = nu};
-  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &from.rate, &to.rate,
-                   to.velocity);
+  advance_momentum(block, everything(), weights, from.velocity, from.velocity, from.pressure, &rate_before(from, to),
+                   &to.rate, to.velocity);
   add_force(middle, dt, false, to.velocity);
   border.add_pressure_change(dt / setup.density, from.pressure, to.velocity);
   border.set_time(from.time + dt, dt, from.velocity);
@@ -268,7 +277,7 @@ void FractionalStep::Parts::predict_by_crank_nicolson(const FlowState& from, dou
   // Without memory the step is done twice, the second time with the mean of both velocities.
   for (int pass = extrapolates ? 1 : 0; pass < 2; ++pass) {
     if (extrapolates) {
-      combine(from.velocity, 0.5 * dt, from.rate, carrier);
+      combine(from.velocity, 0.5 * dt, rate_before(from, to), carrier);
     } else if (pass == 0) {
       combine(from.velocity, 0, from.velocity, carrier);
     } else {
@@ -324,8 +333,9 @@ void FractionalStep::Parts::damp_openings(double dt, const FlowState& from, Vect
 /// div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi
 AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, FlowState& to) {
   take_divergence_of(to.velocity, setup.density / dt);
-  const double source_of_tolerance =
-      setup.pressure.divergence_tolerance * from.largest_speed / smallest_width * setup.density / dt;
+  const double speed_at_rest = courant_at_rest * smallest_width / dt;
+  const double speed = std::max(from.largest_speed, speed_at_rest);
+  const double source_of_tolerance = setup.pressure.divergence_tolerance * speed / smallest_width * setup.density / dt;
   SolveReport solved;
   try {
     solved =
@@ -354,7 +364,7 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
   }
 
   if (!std::isfinite(measure.divergence_sum)) require_finite(to.velocity, to.time);
-  if (measure.divergence * smallest_width > largest_divergence * measure.speed)
+  if (measure.divergence * smallest_width > largest_divergence * std::max(measure.speed, speed_at_rest))
     throw report::NumericsError("pressure at t = " + text(to.time) + " s",
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
                                     text(measure.speed) + " m/s on cells of " + text(smallest_width) + " m",
