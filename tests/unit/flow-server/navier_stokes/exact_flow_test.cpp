@@ -35,7 +35,8 @@ void expect_solution(const ExactFlow& flow, const Point& at, double t, int n_dim
     for (int b = 0; b < n_dimensions; ++b) {
       const auto component = [&](double x) { return flow.velocity(along(b, x), t)[a]; };
       const double here = at[static_cast<std::size_t>(b)];
-      residual += density * u[static_cast<std::size_t>(b)] * first(component, here) - viscosity * second(component, here);
+      residual +=
+          density * u[static_cast<std::size_t>(b)] * first(component, here) - viscosity * second(component, here);
     }
     residual += first([&](double x) { return flow.pressure(along(static_cast<int>(a), x), t); }, at[a]);
     EXPECT_NEAR(residual, 0, tolerance) << "component " << a;

@@ -23,8 +23,7 @@ NavierStokesOptions duct(TimeScheme scheme, bool has_block) {
       .shape = {},
       .initial_file = {},
       .observed = {}};
-  const SpaceTimeValue inlet(
-      [](const Point& x, double t) { return (1 - x[1] * x[1]) * (1 + 0.5 * std::sin(20 * t)); });
+  const SpaceTimeValue inlet([](const Point& x, double t) { return (1 - x[1] * x[1]) * (1 + 0.5 * std::sin(20 * t)); });
   FacePatch in, out, lid;
   in.condition = PrescribedVelocity{{inlet, SpaceTimeValue(0), SpaceTimeValue(0)}};
   out.condition = ConvectiveOutflow{};
@@ -139,8 +138,7 @@ TEST(NavierStokesModel, NamesWhatItMeasures) {
 
 TEST(NavierStokesModel, LetsAsMuchOutAsComesIn) {
   NavierStokesOptions options = duct(TimeScheme::adams_bashforth, true);
-  options.observed.planes.push_back(
-      {"inlet", 0, 0, {-infinity, -infinity, -infinity}, {infinity, infinity, infinity}});
+  options.observed.planes.push_back({"inlet", 0, 0, {-infinity, -infinity, -infinity}, {infinity, infinity, infinity}});
   NavierStokesModel model(options, MPI_COMM_WORLD);
   const std::vector<double> values = take_steps(model, 5);
   const std::size_t n = values.size() / 5;

@@ -17,9 +17,10 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 FormulaFlow linear_flow() {
-  return {stretched_box({13, 11, 9}),
-          {[](const Point& x) { return x[1]; }, [](const Point& x) { return -x[0]; }, [](const Point& x) { return x[2]; }},
-          [](const Point& x) { return x[0] + 10 * x[1] + 100 * x[2]; }};
+  return {
+      stretched_box({13, 11, 9}),
+      {[](const Point& x) { return x[1]; }, [](const Point& x) { return -x[0]; }, [](const Point& x) { return x[2]; }},
+      [](const Point& x) { return x[0] + 10 * x[1] + 100 * x[2]; }};
 }
 
 FieldRegion whole(const StretchedGrid& grid) {
@@ -27,7 +28,8 @@ FieldRegion whole(const StretchedGrid& grid) {
 }
 
 FieldRegion part_with_stride() {
-  return {"part", {{2, 1, 3}, {12, 11, 9}}, 3, {FieldQuantity::vorticity, FieldQuantity::q_criterion}, Precision::single};
+  return {
+      "part", {{2, 1, 3}, {12, 11, 9}}, 3, {FieldQuantity::vorticity, FieldQuantity::q_criterion}, Precision::single};
 }
 
 std::vector<double> read_all(const std::filesystem::path& path, const std::string& name, std::vector<hsize_t> shape) {

@@ -34,7 +34,8 @@ TEST(FlowMeasurement, IntegratesLinearFlowsExactly) {
                           [](const Point& x) { return -x[2]; }},
                          constant(0));
   const IntegralQuantities mine = integrate(flow.part(), 1, 0.1);
-  EXPECT_NEAR(sum_of_ranks(mine.dissipation), 0.1 * (2.5 * 2.5 + 2 * 2) * 4, 1000 * round_off);  // differences over 1/30
+  EXPECT_NEAR(sum_of_ranks(mine.dissipation), 0.1 * (2.5 * 2.5 + 2 * 2) * 4,
+              1000 * round_off);  // differences over 1/30
   EXPECT_NEAR(sum_of_ranks(mine.enstrophy), 0.5 * 1.5 * 1.5 * 4, 1000 * round_off);
 }
 

@@ -27,7 +27,8 @@ TEST(VelocityGradient, IsExactForLinearFieldsOnAnyCells) {
         const Point centre = flow.place(i, j, k, -1);
         for (std::size_t c = 0; c < 3; ++c) {
           EXPECT_NEAR(u[c], velocity[c](centre), round_off);
-          for (std::size_t d = 0; d < 3; ++d) EXPECT_NEAR(gradient[c][d], a[c][d], round_off * 100);  // over widths of 1/30
+          for (std::size_t d = 0; d < 3; ++d)
+            EXPECT_NEAR(gradient[c][d], a[c][d], round_off * 100);  // over widths of 1/30
         }
       }
 }

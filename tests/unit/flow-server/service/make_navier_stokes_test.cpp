@@ -20,9 +20,10 @@ const std::string axes = R"(x { uniform { start: 0 end: 2 cells: 8 } } y { faces
 
 v1::Scene scene_with(const std::string& model, const std::string& grid = axes) {
   v1::Scene scene;
-  const std::string text = "title: \"t\" time { end: 1 step: 0.1 } flow { fluid { density: 2 viscosity: 0.5 } "
-                           "navier_stokes { grid { " +
-                           grid + " } " + model + " } }";
+  const std::string text =
+      "title: \"t\" time { end: 1 step: 0.1 } flow { fluid { density: 2 viscosity: 0.5 } "
+      "navier_stokes { grid { " +
+      grid + " } " + model + " } }";
   EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &scene)) << text;
   return scene;
 }
@@ -50,7 +51,8 @@ TEST(MakeNavierStokes, MakesAGridOfTwoDimensions) {
 TEST(MakeNavierStokes, MakesStretchedAndPeriodicAxes) {
   const NavierStokesSetup setup = made_from("", R"(
     x { stretched { start: 0 end: 4 region { start: 1 end: 2 width: 0.1 } largest_growth: 1.2 largest_width: 0.5 } }
-    y { uniform { start: -1 end: 1 cells: 6 } periodic: true } z { uniform { start: 0 end: 1 cells: 4 } })").setup;
+    y { uniform { start: -1 end: 1 cells: 6 } periodic: true } z { uniform { start: 0 end: 1 cells: 4 } })")
+                                      .setup;
   EXPECT_EQ(setup.grid.n_dimensions, 3);
   EXPECT_NEAR(setup.grid.axis[0].smallest_width(), 0.1, 1e-12);
   // What is left of the length, at most half a cell, is shared among the cells that grow.
@@ -71,7 +73,8 @@ TEST(MakeNavierStokes, MakesEveryCondition) {
     x_end { pressure { in_time { row { time: 0 value: 5 } row { time: 1 value: 7 } } } }
     y_start { slip_wall { } }
     y_end { no_slip_wall { velocity { x: 3 } }
-            patch { name: "vent" box { x_from: 1 } convective_outflow { } } } })").setup;
+            patch { name: "vent" box { x_from: 1 } convective_outflow { } } } })")
+                                      .setup;
   EXPECT_EQ(velocity_on(setup, 0, 0, {0, 0.5, 0}, 3), (Point{1.5, 0, 0}));
   EXPECT_EQ(std::get<PressureOpening>(setup.border[0][1].back().condition).pressure.at({}, 0.5), 6);
   EXPECT_TRUE(std::holds_alternative<SlipWall>(setup.border[1][0].back().condition));
@@ -83,7 +86,8 @@ TEST(MakeNavierStokes, MakesEveryCondition) {
 
 TEST(MakeNavierStokes, ATableTimesADirectionKeepsToThatDirection) {
   const NavierStokesSetup setup = made_from(R"(body_force { in_time {
-    table { row { time: 0 value: 1 } row { time: 1 value: 3 } } direction { x: 2 y: -1 } } })").setup;
+    table { row { time: 0 value: 1 } row { time: 1 value: 3 } } direction { x: 2 y: -1 } } })")
+                                      .setup;
   EXPECT_EQ(setup.body_force[0].at({}, 0.5), 4);
   EXPECT_EQ(setup.body_force[1].at({}, 0.5), -2);
   EXPECT_FALSE(setup.body_force[2].varies_in_time());
@@ -107,9 +111,10 @@ TEST(MakeNavierStokes, AFormulaThatIsNoNumberSaysWhereAndWhen) {
     velocity_on(setup, 0, 0, {0, 0, 0}, 0.25);
     FAIL() << "was not refused";
   } catch (const report::SceneError& error) {
-    EXPECT_STREQ(error.what(),
-                 "flow.navier_stokes.border.x_start.velocity.expression.x: is inf at x = 0, y = 0, z = 0 m, t = 0.25 s; "
-                 "write a formula that is a finite number everywhere");
+    EXPECT_STREQ(
+        error.what(),
+        "flow.navier_stokes.border.x_start.velocity.expression.x: is inf at x = 0, y = 0, z = 0 m, t = 0.25 s; "
+        "write a formula that is a finite number everywhere");
   }
 }
 

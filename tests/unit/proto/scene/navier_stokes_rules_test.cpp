@@ -74,17 +74,17 @@ TEST(NavierStokesRules, WantFineRegionsInOrder) {
 }
 
 TEST(NavierStokesRules, RefuseABorderOfAPeriodicDirection) {
-  EXPECT_THAT(complaints_with("x_end { pressure { constant: 0 } }", "z_end { slip_wall { } }"),
-              ElementsAre(at(13, 7, "border.z_end",
-                             "has a condition, but z is periodic; delete it or grid.z.periodic")));
+  EXPECT_THAT(
+      complaints_with("x_end { pressure { constant: 0 } }", "z_end { slip_wall { } }"),
+      ElementsAre(at(13, 7, "border.z_end", "has a condition, but z is periodic; delete it or grid.z.periodic")));
 }
 
 TEST(NavierStokesRules, RefuseWhatHasNoPlaceInTwoDimensions) {
   const std::string flat = with("      z { faces { face: [0, 0.25, 0.5, 0.75, 1] } periodic: true }\n", "", good_flow);
   EXPECT_THAT(complaints_about(flat), IsEmpty());
-  EXPECT_THAT(complaints_about(with("x_end { pressure { constant: 0 } }", "z_end { slip_wall { } }", flat)),
-              ElementsAre(at(12, 7, "border.z_end",
-                             "is a border along z, but the grid has no z; delete it or give grid.z")));
+  EXPECT_THAT(
+      complaints_about(with("x_end { pressure { constant: 0 } }", "z_end { slip_wall { } }", flat)),
+      ElementsAre(at(12, 7, "border.z_end", "is a border along z, but the grid has no z; delete it or give grid.z")));
   EXPECT_THAT(complaints_about(with("normal: X position: 0.1", "normal: Z position: 0.1", flat)),
               ElementsAre(at(24, 27, "plane[0].normal", "Z is no direction of a grid without z; choose X or Y")));
   EXPECT_THAT(complaints_about(with("velocity { x: \"sin(pi*y)\" }", "exact { ethier_steinman { } }", flat)),
@@ -100,9 +100,9 @@ TEST(NavierStokesRules, WantPatchesWithTheirOwnNamesOnTheBorder) {
   EXPECT_THAT(complaints_with("x_from: 1 x_to: 2 }", "x_from: 5 }"),
               ElementsAre(at(16, 36, "border.y_end.patch[0].box.x_from",
                              "5 m is beyond the end of the grid, 4 m; give a smaller one")));
-  EXPECT_THAT(complaints_with("x_from: 1 x_to: 2 }", "x_from: 2 x_to: 1 }"),
-              ElementsAre(at(16, 46, "border.y_end.patch[0].box.x_to",
-                             "1 m is not above x_from, 2 m; give a larger one")));
+  EXPECT_THAT(
+      complaints_with("x_from: 1 x_to: 2 }", "x_from: 2 x_to: 1 }"),
+      ElementsAre(at(16, 46, "border.y_end.patch[0].box.x_to", "1 m is not above x_from, 2 m; give a larger one")));
 }
 
 TEST(NavierStokesRules, WantAWallThatMovesInItsOwnPlane) {
@@ -123,14 +123,15 @@ TEST(NavierStokesRules, RefuseFormulasThatAreNoNumber) {
 }
 
 TEST(NavierStokesRules, RefuseTimeTablesThatAreNoNumber) {
-  EXPECT_THAT(complaints_with("row { time: 0 value: 1 }", "row { time: 0 value: nan }"),
-              ElementsAre(at(19, 50, "body_force.in_time.table.row[0].value", "nan is not a finite number; give a number")));
+  EXPECT_THAT(
+      complaints_with("row { time: 0 value: 1 }", "row { time: 0 value: nan }"),
+      ElementsAre(at(19, 50, "body_force.in_time.table.row[0].value", "nan is not a finite number; give a number")));
 }
 
 TEST(NavierStokesRules, WantBlocksWithCells) {
-  EXPECT_THAT(complaints_with("decomposition { y: 4 }", "decomposition { y: 9 }"),
-              ElementsAre(at(23, 21, "decomposition.y",
-                             "9 blocks share 32 cells along y; a block needs at least 4 of them")));
+  EXPECT_THAT(
+      complaints_with("decomposition { y: 4 }", "decomposition { y: 9 }"),
+      ElementsAre(at(23, 21, "decomposition.y", "9 blocks share 32 cells along y; a block needs at least 4 of them")));
 }
 
 TEST(NavierStokesRules, WantStepsInOrder) {
@@ -175,9 +176,10 @@ TEST(NavierStokesRules, RefuseASolidInTheFlow) {
   const std::string solid =
       "solid { body { name: \"block\" box { length { x: 1 y: 1 z: 1 } } material { density: 1 saint_venant_kirchhoff { "
       "young_modulus: 1 poisson_ratio: 0.3 } } wetted: [\"x_max\"] } }\noutput";
-  EXPECT_THAT(complaints_about(with("output", solid, good_flow)),
-              ElementsAre("scene.txtpb:5:3: flow.navier_stokes: has no bodies in the flow yet, but the scene has a solid; "
-                          "delete one of them"));
+  EXPECT_THAT(
+      complaints_about(with("output", solid, good_flow)),
+      ElementsAre("scene.txtpb:5:3: flow.navier_stokes: has no bodies in the flow yet, but the scene has a solid; "
+                  "delete one of them"));
 }
 
 }  // namespace

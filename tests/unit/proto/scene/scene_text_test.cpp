@@ -55,8 +55,10 @@ TEST(SceneText, ChecksWhatIsInsideAMisspeltBlock) {
 }
 
 TEST(SceneText, SaysNothingAboutTheInsideOfAnUnknownBlock) {
-  EXPECT_THAT(complaints_about(with("fluid {", "colours { red: 1 green { dark: [1, { a: 2 }] } }\n  fluid {")),
-              ElementsAre("scene.txtpb:5:3: flow.colours: is not a field of Flow; its fields are fluid, glottis, navier_stokes"));
+  EXPECT_THAT(
+      complaints_about(with("fluid {", "colours { red: 1 green { dark: [1, { a: 2 }] } }\n  fluid {")),
+      ElementsAre(
+          "scene.txtpb:5:3: flow.colours: is not a field of Flow; its fields are fluid, glottis, navier_stokes"));
 }
 
 TEST(SceneText, SuggestsTheChoiceNearestToAMisspeltOne) {
