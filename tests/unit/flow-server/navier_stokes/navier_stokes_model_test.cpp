@@ -182,6 +182,15 @@ TEST(NavierStokesModel, WantsOneBlockForEachRank) {
   EXPECT_THROW(NavierStokesModel(options, MPI_COMM_WORLD), report::SceneError);
 }
 
+TEST(NavierStokesModel, SharesCellsEvenlyAndInMultiplesOfCoarseCellsWhereThatCostsLittle) {
+  const int n = ranks_of_test();
+  const BlockDecomposition even = decompose(stretched_box({24, 8, 8}), Triple{n, 1, 1}, MPI_COMM_WORLD);
+  EXPECT_EQ(even.mine().size(0), 24 / n);
+  const BlockDecomposition coarse = decompose(stretched_box({100, 8, 8}), Triple{n, 1, 1}, MPI_COMM_WORLD);
+  EXPECT_EQ(coarse.mine().begin[0] % 2, 0);
+  EXPECT_LE(coarse.mine().size(0), (100 + n - 1) / n * 17 / 16);
+}
+
 TEST(NavierStokesModel, CountsItsCost) {
   NavierStokesModel model(duct(TimeScheme::adams_bashforth, true), MPI_COMM_WORLD);
   take_steps(model, 2);
