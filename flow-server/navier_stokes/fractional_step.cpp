@@ -10,6 +10,7 @@
 #include "flow-server/momentum/explicit_momentum.hpp"
 #include "flow-server/momentum/implicit_momentum.hpp"
 #include "flow-server/navier_stokes/flow_domain.hpp"
+#include "flow-server/navier_stokes/flow_failure.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
 #include "flow-server/navier_stokes/step_limit.hpp"
 #include "proto/report/failure.hpp"
@@ -27,6 +28,9 @@ constexpr std::array<double, 3> zeta{0, -17.0 / 60, -5.0 / 12};
 
 /// Adams-Bashforth would extrapolate over more than this many steps before: such a step is taken by Runge-Kutta.
 constexpr double largest_step_ratio = 2;
+
+/// An interval that asks for more steps than a million will not end: the flow has blown up.
+constexpr double shortest_share = 1e-6;
 
 /// Initial fields are free of divergence almost to round-off.
 constexpr double initial_tolerance = 1e-10;
@@ -119,9 +123,6 @@ struct FractionalStep::Parts {
   template <class Work>
   void around_exchange(VectorField& fields, bool needs_border_ghosts, const Work& work);
   std::vector<Field<double>*> pointers(VectorField& fields) const;
-  void require_finite(const VectorField& velocity, double time) const;
-  [[noreturn]] void refuse_step(const FlowState& state, double step) const;
-  std::string place_of(const Triple& cell) const;
 
   NavierStokesSetup setup;
   const BlockDecomposition& decomposition;
@@ -161,6 +162,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   Parts& parts = *parts_;
   if (!(duration > 0) || !std::isfinite(duration))
     throw report::SceneError("time step", "is " + text(duration) + " s", "give a positive number");
+  const double smallest_step = std::max(parts.setup.step.smallest, shortest_share * duration);
   AdvanceReport all;
   StepPlan plan{TimeScheme::automatic, 0};
   const FlowState* from = &start;
@@ -171,7 +173,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
         (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
     const double dt = (duration - done) / plan.n_steps;
-    if (dt < parts.setup.step.smallest) parts.refuse_step(*from, dt);
+    if (dt < smallest_step) refuse_step(parts.block, *from, dt, smallest_step);
 
     FlowState& to = from == &start ? end : parts.spare;
     parts.shape(to);
@@ -341,7 +343,7 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
     solved =
         solve_pressure({setup.pressure.relative_tolerance, source_of_tolerance, setup.pressure.largest_iterations});
   } catch (const report::NumericsError&) {
-    require_finite(to.velocity, from.time + dt);  // a better sentence, where that is the reason
+    require_finite(block, to.velocity, from.time + dt);  // a better sentence, where that is the reason
     throw;
   }
   // With implicit diffusion p += phi - mu/2 div u*: u* has felt the gradient of phi less than u has [D. L. Brown,
@@ -363,7 +365,7 @@ AdvanceReport FractionalStep::Parts::project(const FlowState& from, double dt, F
     combine(to.rate, 1 / dt - 1, to.rate, to.rate);
   }
 
-  if (!std::isfinite(measure.divergence_sum)) require_finite(to.velocity, to.time);
+  if (!std::isfinite(measure.divergence_sum)) require_finite(block, to.velocity, to.time);
   if (measure.divergence * smallest_width > largest_divergence * std::max(measure.speed, speed_at_rest))
     throw report::NumericsError("pressure at t = " + text(to.time) + " s",
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
@@ -448,7 +450,7 @@ void FractionalStep::Parts::set_initial_velocity(FlowState& state) {
   border.impose(state.velocity);
   take_divergence_of(state.velocity, 1);
   const FlowMeasure given = reduce(measure(block, state.velocity), decomposition.communicator());
-  if (!std::isfinite(given.divergence_sum)) require_finite(state.velocity, 0);
+  if (!std::isfinite(given.divergence_sum)) require_finite(block, state.velocity, 0);
   solve_pressure(
       {initial_tolerance, setup.pressure.divergence_tolerance * given.speed / smallest_width, initial_iterations});
   const FlowMeasure measured = reduce(correct(block, 1, phi, 0, source, state.pressure, state.pressure, state.velocity),
@@ -510,7 +512,7 @@ void FractionalStep::Parts::shape(FlowState& state) const {
 void FractionalStep::Parts::measure_speed(FlowState& state) {
   const FlowMeasure measured = reduce(measure(block, state.velocity), decomposition.communicator());
   n_reductions += 2;
-  if (!std::isfinite(measured.divergence_sum)) require_finite(state.velocity, state.time);
+  if (!std::isfinite(measured.divergence_sum)) require_finite(block, state.velocity, state.time);
   state.courant_rate = measured.courant_rate;
   state.largest_speed = measured.speed;
 }
@@ -581,70 +583,6 @@ std::vector<Field<double>*> FractionalStep::Parts::pointers(VectorField& fields)
   std::vector<Field<double>*> result;
   for (int d = 0; d < block.n_dimensions; ++d) result.push_back(&fields[d]);
   return result;
-}
-
-std::string FractionalStep::Parts::place_of(const Triple& cell) const {
-  std::string place = "cell (";
-  for (int d = 0; d < 3; ++d) place += std::to_string(cell[d]) + (d < 2 ? ", " : ") at (");
-  for (int d = 0; d < 3; ++d) place += text(setup.grid.axis[d].centre(cell[d])) + (d < 2 ? ", " : ") m");
-  return place;
-}
-
-/// Collective: throws on all ranks, naming the first cell, where a velocity is not a number.
-void FractionalStep::Parts::require_finite(const VectorField& velocity, double time) const {
-  const Triple n_cells = setup.grid.n_cells(), origin = decomposition.mine().begin;
-  const long none = std::numeric_limits<long>::max();
-  long first = none;
-  for (int k = block.sizes[2] - 1; k >= 0; --k)
-    for (int j = block.sizes[1] - 1; j >= 0; --j)
-      for (int i = block.sizes[0] - 1; i >= 0; --i)
-        for (int d = 0; d < block.n_dimensions; ++d)
-          if (!std::isfinite(velocity[d](i, j, k)))
-            first = origin[0] + i +
-                    static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
-  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_LONG, MPI_MIN, decomposition.communicator());
-  if (first == none) return;
-  const long row = first / n_cells[0];
-  const Triple cell{static_cast<int>(first % n_cells[0]), static_cast<int>(row % n_cells[1]),
-                    static_cast<int>(row / n_cells[1])};
-  throw report::NumericsError(place_of(cell), "the velocity at t = " + text(time) + " s is not a number",
-                              "look for values that are not numbers in borders and forces, or take smaller steps");
-}
-
-/// Collective: names the cell that asks for the smallest step.
-void FractionalStep::Parts::refuse_step(const FlowState& state, double step) const {
-  struct {
-    double rate;
-    int rank;
-  } worst{0, decomposition.rank()};
-  Triple cell{};
-  std::array<double, 2> speed_and_cell{};
-  for (int k = 0; k < block.sizes[2]; ++k)
-    for (int j = 0; j < block.sizes[1]; ++j)
-      for (int i = 0; i < block.sizes[0]; ++i) {
-        double demand = 0, square = 0;
-        for (int d = 0; d < block.n_dimensions; ++d) {
-          Triple before{i, j, k};
-          --before[d];
-          const double here = std::max(std::abs(state.velocity[d](i, j, k)),
-                                       std::abs(state.velocity[d](before[0], before[1], before[2])));
-          demand += here * block.axis[d].inverse_width[Triple{i, j, k}[d]];
-          square += here * here;
-        }
-        if (demand < worst.rate) continue;
-        worst.rate = demand;
-        cell = {i, j, k};
-        speed_and_cell[0] = std::sqrt(square);
-      }
-  for (int d = 0; d < 3; ++d) cell[d] += decomposition.mine().begin[d];
-  MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_DOUBLE_INT, MPI_MAXLOC, decomposition.communicator());
-  MPI_Bcast(cell.data(), 3, MPI_INT, worst.rank, decomposition.communicator());
-  MPI_Bcast(speed_and_cell.data(), 1, MPI_DOUBLE, worst.rank, decomposition.communicator());
-  throw report::NumericsError(place_of(cell),
-                              "at t = " + text(state.time) + " s a speed of " + text(speed_and_cell[0]) +
-                                  " m/s asks for steps of " + text(step) + " s, less than the smallest allowed, " +
-                                  text(setup.step.smallest) + " s",
-                              "look at the flow there; allow smaller steps or make the cells larger");
 }
 
 std::size_t FractionalStep::n_bytes() const {

@@ -76,7 +76,8 @@ FaceFractions copied_shares(const FaceFractions& given, const BlockDecomposition
     if (!blocks.has_cells()) continue;
     for (int k = -layer[2]; k < sizes[2]; ++k)
       for (int j = -layer[1]; j < sizes[1]; ++j)
-        for (int i = -layer[0]; i < sizes[0]; ++i) share[d](i, j, k) = given[d](i, j, k);
+        for (int i = -layer[0]; i < sizes[0]; ++i)
+          if (given[d](i, j, k) > 0) share[d](i, j, k) = given[d](i, j, k);  // what is not written takes no memory
   }
   return share;
 }

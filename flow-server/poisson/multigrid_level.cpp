@@ -24,14 +24,6 @@ constexpr int n_half_sweeps = 4;
 // the convergence factor of red-black smoothing in three dimensions.
 constexpr float over_relaxation = 1.15f;
 
-/// The same address, of which the compiler does not know that it is the same: a row that is read at neighbours and
-/// written in place may then be taken as two rows. Right because written cells are of one colour and read neighbours of
-/// the other.
-inline const float* hidden(const float* row) {
-  asm("" : "+r"(row));
-  return row;
-}
-
 /// Sum of coefficient times neighbour.
 template <bool has_share, class Coefficients>
 inline float neighbour_sum(const Coefficients& a, const float* c, int i) {
@@ -46,6 +38,8 @@ inline float neighbour_sum(const Coefficients& a, const float* c, int i) {
 }
 
 /// One colour of the cells begin <= i < end of a row: omega[i] is the over-relaxation there and 0 at the other colour.
+/// `out` is another row: written in place, each vector would have to wait for the one before, whose last value it
+/// reads.
 template <bool starts_at_zero, bool has_share, class Coefficients>
 void relax_row(float* __restrict out, const float* __restrict c, const float* __restrict f,
                const float* __restrict omega, const Coefficients& coefficients, int begin, int end) {
@@ -166,6 +160,7 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
   rhs = Field<float>(sizes_, ghosts);
   for (int i = 0; i < sizes_[0] + 2 * depth + 2; ++i) pattern_.push_back(i % 2 == 0 ? over_relaxation : 0);
   residual_row_.resize(static_cast<std::size_t>(sizes_[0]));
+  relaxed_row_.resize(static_cast<std::size_t>(sizes_[0] + 2 * depth));
   if (!share_) {
     active_ = ActiveCells::all(range(depth));
     return;
@@ -187,7 +182,7 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
           sum += axes_[d].lower(mine.begin[d] + cell[d]) * open(before[0], before[1], before[2]) +
                  axes_[d].upper(mine.begin[d] + cell[d]) * open(i, j, k);
         }
-        inverse_diagonal_(i, j, k) = sum > 0 ? static_cast<float>(1 / sum) : 0.0f;
+        if (sum > 0) inverse_diagonal_(i, j, k) = static_cast<float>(1 / sum);
       }
   halo_.exchange<float>({&inverse_diagonal_}, depth);
   active_ = ActiveCells::where(range(depth), [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });
@@ -267,17 +262,26 @@ void MultigridLevel::relax_plane(int k, const Box& cells, int colour) {
   const Triple& first = decomposition_->mine().begin;
   for (int j = cells.begin[1]; j < cells.end[1]; ++j) {
     const RowCoefficients a = coefficients_at<has_share>(j, k);
-    float* out = phi.row(j, k);
+    float* row = phi.row(j, k);
+    float* relaxed = relaxed_row_.data() + depth;
     const float* f = rhs.row(j, k);
     const float* omega = pattern_.data() + depth + ((first[0] + first[1] + j + first[2] + k + colour) & 1);
+    const auto relax = [&](int begin, int end) {
+      if (begin >= end) return;
+      if constexpr (starts_at_zero) {
+        relax_row<true, has_share>(row, row, f, omega, a, begin, end);
+      } else {
+        relax_row<false, has_share>(relaxed, row, f, omega, a, begin, end);
+        std::copy(relaxed + begin, relaxed + end, row + begin);
+      }
+    };
     if constexpr (has_share) {
       for (const Interval& interval : active_.row(j, k))
-        relax_row<starts_at_zero, true>(out, hidden(out), f, omega, a, std::max(interval.begin, cells.begin[0]),
-                                        std::min(interval.end, cells.end[0]));
+        relax(std::max(interval.begin, cells.begin[0]), std::min(interval.end, cells.end[0]));
     } else {
-      relax_row<starts_at_zero, false>(out, hidden(out), f, omega, a, cells.begin[0], cells.end[0]);
+      relax(cells.begin[0], cells.end[0]);
     }
-    if (wraps_[0]) out[-1] = out[sizes_[0] - 1], out[sizes_[0]] = out[0];
+    if (wraps_[0]) row[-1] = row[sizes_[0] - 1], row[sizes_[0]] = row[0];
   }
 }
 

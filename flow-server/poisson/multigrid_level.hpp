@@ -96,7 +96,7 @@ class MultigridLevel {
   ActiveCells active_;
   std::array<BlockMerging, 3> merging_;
   Box coarse_box_;
-  std::vector<float> residual_row_, base_row_, slope_row_;
+  std::vector<float> relaxed_row_, residual_row_, base_row_, slope_row_;
 };
 
 }  // namespace couplet::flow

@@ -183,6 +183,7 @@ DirectionSums PressureOperator::direction_sums_of(const Field<float>& z, const F
 template <bool has_share>
 double PressureOperator::advance_of(const Field<float>& z, double beta, double alpha, Field<float>& p,
                                     Field<double>& phi, Field<double>& r, Field<float>& f) const {
+  if (sizes_[0] == 0) return 0;  // a rank without cells has no correction either
   const std::ptrdiff_t p_to_y = layer_[1] * p.stride_y(), p_to_z = layer_[2] * p.stride_z();
   const float share_of_last = static_cast<float>(beta);
   double squares = 0;

@@ -67,6 +67,7 @@ NavierStokesSetup openings(TimeScheme scheme, int n_dimensions) {
   return setup;
 }
 
+/// Of four ranks one may be left without cells.
 std::vector<Triple> shapes_of(int n_ranks, int n_dimensions) {
   switch (n_ranks) {
     case 1:
@@ -74,7 +75,7 @@ std::vector<Triple> shapes_of(int n_ranks, int n_dimensions) {
     case 2:
       return {{2, 1, 1}, {1, 2, 1}};
     case 4:
-      return n_dimensions == 3 ? std::vector<Triple>{{1, 2, 2}, {4, 1, 1}} : std::vector<Triple>{{2, 2, 1}};
+      return n_dimensions == 3 ? std::vector<Triple>{{1, 2, 2}, {3, 1, 1}} : std::vector<Triple>{{2, 2, 1}, {3, 1, 1}};
     default:
       return n_dimensions == 3 ? std::vector<Triple>{{1, 2, 4}} : std::vector<Triple>{{2, 4, 1}};
   }

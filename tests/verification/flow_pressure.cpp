@@ -230,6 +230,31 @@ TEST(PressureDirect, BodiesAreRefused) {
                report::SceneError);
 }
 
+TEST(PressureInvariance, RanksWithoutCellsAndSmallGridsAreNoException) {
+  Case small{{stretched(16, 2), stretched(18, 1), {0.0, 0.1}}, 2};
+  Case medium{{stretched(24, 2), stretched(30, 1), stretched(26, 3)}};
+  medium.border_is_open[1] = {true, false};
+  Case holes = medium;
+  holes.is_fluid = [](double x, double y, double z) {
+    return std::sin(9 * x) + std::sin(11 * y) + std::sin(7 * z) < 1.5;
+  };
+  for (const Case& c : {small, medium, holes})
+    for (const PressureMethod method : {PressureMethod::multigrid, PressureMethod::automatic}) {
+      const Triple shape = c.n_dimensions == 2 ? Triple{1, std::max(1, n_ranks() / 2), 1}
+                                               : Triple{1, n_ranks() == 8 ? 2 : 1, n_ranks() == 1 ? 1 : 3};
+      if (shape[1] * shape[2] > n_ranks()) continue;
+      const Solution alone(c, MPI_COMM_SELF, {1, 1, 1}, rough, method);
+      const Solution shared(c, MPI_COMM_WORLD, shape, rough, method);
+      double difference = 0, largest = 0;
+      shared.for_own_cells([&](const Triple& at, const Triple& cell) {
+        const double value = alone.phi(cell[0], cell[1], cell[2]);
+        difference = std::max(difference, std::abs(shared.phi(at[0], at[1], at[2]) - value));
+        largest = std::max(largest, std::abs(value));
+      });
+      EXPECT_LE(difference, 1e-12 * largest);  // as above
+    }
+}
+
 /// Observed order between two grids, the second twice as fine.
 double order(const Case& coarse, const Case& fine, const Function& source, const Function& exact, bool without_mean) {
   const Triple shape = coarse.n_dimensions == 3 ? Triple{1, 1, n_ranks()} : Triple{1, n_ranks(), 1};
@@ -347,6 +372,24 @@ TEST(PressureConvergence, TakesOneAndAHalfCyclesADecadeWhateverTheStretching) {
       const double decades = -std::log10(solution.report.true_residual / solution.report.source_norm);
       EXPECT_LT(solution.report.cycles / decades, 1.5) << stretching << (is_open ? " open" : " closed");
     }
+}
+
+TEST(PressureConvergence, BodiesInsideCostAtMostTwoCyclesADecade) {
+  Case tube{{uniform_faces(0, 2, 64), uniform_faces(0, 1, 32), uniform_faces(0, 1, 32)}};
+  tube.border_is_open[0] = {true, true};
+  tube.is_fluid = [](double x, double y, double z) {
+    const double y_axis = 0.5 + 0.15 * std::sin(3 * x);
+    return (y - y_axis) * (y - y_axis) + (z - 0.5) * (z - 0.5) < 0.09;
+  };
+  Case around = tube;
+  around.is_fluid = [](double x, double y, double z) {
+    return (x - 0.7) * (x - 0.7) + (y - 0.5) * (y - 0.5) + (z - 0.5) * (z - 0.5) > 0.06;
+  };
+  for (const Case& c : {tube, around}) {
+    const Solution solution(c, MPI_COMM_WORLD, shapes(3).back(), rough, PressureMethod::multigrid, {1e-8, 0, 60});
+    const double decades = -std::log10(solution.report.true_residual / solution.report.source_norm);
+    EXPECT_LT(solution.report.cycles / decades, 2);
+  }
 }
 
 TEST(PressureConvergence, CellsFiftyTimesAsLongAsWideCostNothingMore) {

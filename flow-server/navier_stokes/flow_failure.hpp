@@ -1,0 +1,15 @@
+#pragma once
+// How the flow says where it has gone wrong: all ranks throw alike.
+
+#include "flow-server/momentum/flow_block.hpp"
+#include "flow-server/navier_stokes/flow_state.hpp"
+
+namespace couplet::flow {
+
+/// Collective. Throws NumericsError, naming the first cell, where a velocity is not a number.
+void require_finite(const FlowBlock& block, const std::array<Field<double>, 3>& velocity, double time);
+
+/// Collective. Throws NumericsError, naming the cell that asks for the smallest step, and its speed.
+[[noreturn]] void refuse_step(const FlowBlock& block, const FlowState& state, double step, double smallest);
+
+}  // namespace couplet::flow
