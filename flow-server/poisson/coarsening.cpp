@@ -21,6 +21,10 @@ bool can_merge(const LevelAxis& axis) {
   return axis.has_terms && axis.n_cells() > (axis.is_periodic ? smallest_periodic : 1);
 }
 
+bool cannot_colour(const LevelAxis& axis) {
+  return axis.has_terms && axis.is_periodic && (axis.n_cells() % 2 != 0 || axis.n_cells() < smallest_periodic);
+}
+
 Merging identity(int n_cells) {
   Merging merging;
   for (int i = 0; i <= n_cells; ++i) merging.first.push_back(i);
@@ -112,13 +116,16 @@ Triple LevelPlan::n_cells(int level) const {
   return {axis[0].n_cells(), axis[1].n_cells(), axis[2].n_cells()};
 }
 
+bool can_colour(const std::array<LevelAxis, 3>& finest) {
+  return std::none_of(finest.begin(), finest.end(), cannot_colour);
+}
+
 LevelPlan plan_levels(const std::array<LevelAxis, 3>& finest) {
   for (int d = 0; d < 3; ++d) {
-    const int n = finest[d].n_cells();
-    if (!finest[d].has_terms || !finest[d].is_periodic || (n % 2 == 0 && n >= smallest_periodic)) continue;
+    if (!cannot_colour(finest[d])) continue;
     throw report::SceneError(
         std::string("axis ") + "xyz"[d],
-        "is periodic with " + std::to_string(n) +
+        "is periodic with " + std::to_string(finest[d].n_cells()) +
             " cells; the multigrid colours cells red and black, which needs an even number from 4 on",
         "give it an even number of cells, or use fast_diagonalisation");
   }

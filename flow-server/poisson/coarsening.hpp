@@ -41,11 +41,15 @@ struct LevelPlan {
   Triple n_cells(int level) const;
 };
 
+/// Do red and black alternate across the ends of all periodic directions? They have an even number of cells, at
+/// least 4.
+bool can_colour(const std::array<LevelAxis, 3>& finest);
+
 /// Two neighbours are merged where together they are at most four times as wide as the smallest cell of the level in
 /// any direction that can still be merged; a cell left over joins a pair. So cells become cubes before they become
 /// larger, and a point smoother does. A periodic direction keeps an even number of cells, at least 4, so that red and
 /// black alternate across its ends. Ends where a level has at most `coarsest_size` cells.
-/// Throws SceneError for an odd number of cells, or less than 4, in a periodic direction.
+/// Throws SceneError where the cells cannot be coloured.
 LevelPlan plan_levels(const std::array<LevelAxis, 3>& finest);
 
 inline constexpr int coarsest_size = 256;

@@ -245,9 +245,7 @@ bool prefers_fast_diagonalisation(const PressureProblem& problem) {
   constexpr int most_terms = 520;
   int n_terms = is_periodic[last] ? n[last] : 0;
   for (int d = 0; d < last; ++d) n_terms += n[d];
-  bool multigrid_can = true;
-  for (int d = 0; d <= last; ++d) multigrid_can = multigrid_can && !(is_periodic[d] && (n[d] % 2 != 0 || n[d] < 4));
-  return n_terms <= most_terms || !multigrid_can;
+  return n_terms <= most_terms || !can_colour(finest_axes(problem));
 }
 
 }  // namespace couplet::flow

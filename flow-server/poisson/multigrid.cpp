@@ -131,6 +131,18 @@ std::array<LevelAxis, 3> finest_axes(const PressureProblem& problem) {
   return axes;
 }
 
+std::array<Partition, 3> suitable_partitions(const StretchedGrid& grid, const Triple& shape) {
+  PressureProblem problem;
+  problem.grid = &grid;
+  const std::array<LevelAxis, 3> axes = finest_axes(problem);
+  if (can_colour(axes)) {
+    const std::vector<Partition> aligned = aligned_partitions(plan_levels(axes), 0, shape);
+    if (!aligned.empty()) return {aligned[0], aligned[1], aligned[2]};
+  }
+  const Triple n = grid.n_cells();
+  return {equal_parts(n[0], shape[0], 1), equal_parts(n[1], shape[1], 1), equal_parts(n[2], shape[2], 1)};
+}
+
 Multigrid::Passage::Passage(const RankBoxes& over, const BlockDecomposition& blocks,
                             const std::array<LevelAxis, 3>& axes)
     : down(blocks.communicator(), over, boxes_of(blocks), n_cells_of(axes), periodicity(axes)),

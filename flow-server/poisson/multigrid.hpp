@@ -15,6 +15,10 @@ namespace couplet::flow {
 /// The axes of the finest level of a problem. With open shares all borders count as open; the shares close them.
 std::array<LevelAxis, 3> finest_axes(const PressureProblem& problem);
 
+/// Parts of a grid that the multigrid can use without moving cells of its finest levels between ranks; equal parts
+/// where there are none.
+std::array<Partition, 3> suitable_partitions(const StretchedGrid& grid, const Triple& shape);
+
 /// An approximate inverse of div grad in single precision. Levels whose blocks would be smaller than 4 cells, badly
 /// aligned with coarse cells or too small to be worth messages live on fewer ranks, the last one on one.
 class Multigrid {

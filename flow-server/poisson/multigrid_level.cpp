@@ -269,7 +269,7 @@ void MultigridLevel::relax_plane(int k, const Box& cells, int colour) {
     const auto relax = [&](int begin, int end) {
       if (begin >= end) return;
       if constexpr (starts_at_zero) {
-        relax_row<true, has_share>(row, row, f, omega, a, begin, end);
+        relax_row<true, has_share>(row, nullptr, f, omega, a, begin, end);
       } else {
         relax_row<false, has_share>(relaxed, row, f, omega, a, begin, end);
         std::copy(relaxed + begin, relaxed + end, row + begin);

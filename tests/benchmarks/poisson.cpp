@@ -15,7 +15,6 @@
 #include <sstream>
 
 #include "flow-server/grid/halo_exchange.hpp"
-#include "flow-server/poisson/coarsening.hpp"
 #include "flow-server/poisson/multigrid.hpp"
 #include "flow-server/poisson/pressure_operator.hpp"
 #include "flow-server/poisson/pressure_solver.hpp"
@@ -182,13 +181,8 @@ std::vector<Json> solve_case(const Case& c) {
   const StretchedGrid grid{{axis(0), axis(1), axis(2)}, 3};
   PressureProblem problem;
   problem.grid = &grid;
-  const LevelPlan plan = plan_levels([&] {
-    PressureProblem p;
-    p.grid = &grid;
-    return finest_axes(p);
-  }());
-  const std::vector<Partition> parts = aligned_partitions(plan, 0, choose_shape(c.n, n_ranks));
-  const BlockDecomposition blocks(MPI_COMM_WORLD, {parts[0], parts[1], parts[2]}, grid.is_periodic());
+  const BlockDecomposition blocks(MPI_COMM_WORLD, suitable_partitions(grid, choose_shape(c.n, n_ranks)),
+                                  grid.is_periodic());
   problem.decomposition = &blocks;
   const Box mine = blocks.mine();
   if (c.borders == "tube") problem.open_share = tube_shares(grid, blocks);

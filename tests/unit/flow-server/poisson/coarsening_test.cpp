@@ -74,6 +74,7 @@ TEST(Coarsening, PeriodicDirectionsKeepAnEvenNumberOfCells) {
 
 TEST(Coarsening, AnOddPeriodicDirectionIsRefused) {
   const LevelAxis odd = axis_of(uniform_faces(0, 1, 33), true), even = axis_of(uniform_faces(0, 1, 32), true);
+  EXPECT_FALSE(can_colour({even, odd, even}));
   EXPECT_THROW(plan_levels({even, odd, even}), report::SceneError);
   EXPECT_NO_THROW(plan_levels({even, even, even}));
 }
