@@ -96,7 +96,8 @@ TEST_F(LaunchPlanTest, FlowRanksAreThoseOfTheUserThenOfTheBlocksThenOfTheCells) 
   options_.flow_ranks = 4;
   EXPECT_EQ(choose_flow_ranks(scene_, options_, installation), 4);
   EXPECT_EQ(ranks_for_cells(1000, 8), 1);
-  EXPECT_EQ(ranks_for_cells(1e5, 8), 5);
+  EXPECT_EQ(ranks_for_cells(1e5, 8), 4);
+  EXPECT_EQ(ranks_for_cells(1e8, 47), 36);
   EXPECT_EQ(ranks_for_cells(1e8, 8), 8);
   EXPECT_EQ(ranks_for_cells(1e8, 0), 1);
   v1::Scene glottis;
