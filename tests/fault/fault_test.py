@@ -136,6 +136,17 @@ class FlowRanksTest(FaultCase):
         self.assertEqual(lines, ["flow-server: flow.navier_stokes.decomposition: 3 x 1 x 1 blocks are not one for each of the 2 ranks; "
                                  "start the flow with as many ranks as blocks, or leave decomposition out"])
 
+    def test_what_fails_on_one_rank_ends_all(self):
+        """The other rank waits for it somewhere inside the step and cannot be told."""
+        force = "abs(t-0.95)<0.06 && x>4 ? 0/0 : 0"
+        run = self.start_flow(settings=["flow.navier_stokes.decomposition={x: 2}", f'flow.navier_stokes.body_force.expression.x="{force}"'])
+        code, lines = run.end(60)
+        self.assertEqual(code, 2, lines)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("body_force.expression.x: is nan at x = ", lines[0])
+        self.assertEqual(run.summary()["status"], "failed")
+        self.expect_readable_states(run, 8)
+
     def test_a_flow_that_blows_up_is_a_numerical_failure_on_all_ranks(self):
         run = self.start_flow(settings=["flow.navier_stokes.smallest_step=0.05",
                                         "flow.navier_stokes.body_force.expression.x=\"exp(min(t,20))*sin(y)\""])
