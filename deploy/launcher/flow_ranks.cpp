@@ -10,10 +10,21 @@ namespace couplet::launcher {
 namespace {
 /// With fewer cells a rank spends as long on messages as on cells.
 constexpr double cells_worth_a_rank = 20000;
+
+bool has_small_factors_only(int n) {
+  for (const int factor : {2, 3})
+    while (n % factor == 0) n /= factor;
+  return n == 1;
+}
+
 }  // namespace
 
 int ranks_for_cells(double n_cells, int n_cores) {
-  return std::clamp(static_cast<int>(std::min(n_cells / cells_worth_a_rank, 1e6)), 1, std::max(1, n_cores));
+  const int most = std::clamp(static_cast<int>(std::min(n_cells / cells_worth_a_rank, 1e6)), 1, std::max(1, n_cores));
+  // Blocks of 47 ranks would be slices, which hardly any grid is long enough for.
+  int n_ranks = most;
+  while (!has_small_factors_only(n_ranks)) --n_ranks;
+  return n_ranks;
 }
 
 int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation) {

@@ -11,7 +11,7 @@ namespace couplet::launcher {
 /// cells well. One-dimensional flow runs on one.
 int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation);
 
-/// The last part of that choice.
+/// The last part of that choice: a number that can be cut into blocks, a product of twos and threes.
 int ranks_for_cells(double n_cells, int n_cores);
 
 }  // namespace couplet::launcher

@@ -48,7 +48,7 @@ def pictures(run):
              for direction in planes]
     if last > 0:
         parts.append(figure(_picture_over_time(states, region, planes[0]),
-                            f"Vorticity over time, {_plane_words(states, region, planes[0])}."))
+                            f"Vorticity over time, {_plane_words(states, region, planes[0])}; colours as in the last picture."))
     return section("The flow", *parts, f'<p class="soft">All of it: results/{region}.xmf, for ParaView.</p>')
 
 
@@ -80,7 +80,7 @@ def _slice(states, region, state, name, direction):
     return numpy.squeeze(states.slab(state, region, name, direction, m, m + 1), axis=direction)
 
 
-def _vorticity(states, region, state, direction):
+def vorticity_in_plane(states, region, state, direction):
     """In two dimensions the component out of the plane, with its sign; otherwise the magnitude."""
     faces = states.faces(region)
     is_flat = len(faces[2]) == 2
@@ -110,24 +110,35 @@ def _proportions(states, region, direction):
     return float(numpy.clip((faces[vertical][-1] - faces[vertical][0]) / (faces[horizontal][-1] - faces[horizontal][0]), 0.08, 3))
 
 
-def _draw(axes, states, region, direction, values, title, has_sign=False):
+def _limits(values, has_sign):
+    """The range of colours: that of all but the outermost hundredth of the cells, as the corner of a moving wall would drown the rest."""
+    if has_sign:
+        largest = float(numpy.percentile(numpy.abs(values), 99)) or 1.0
+        return -largest, largest
+    low, high = (float(limit) for limit in numpy.percentile(values, (0.5, 99.5)))
+    return (low, high) if high > low else (low - 1e-12, high + 1e-12)
+
+
+def _draw(axes, states, region, direction, values, title, has_sign=False, like=None):
+    """`like`: values whose range of colours is used."""
     faces = states.faces(region)
     horizontal, vertical = _across(direction)
-    largest = float(numpy.percentile(numpy.abs(values), 99.5)) or 1.0  # corners of a cavity would drown the rest
-    limits = {"vmin": -largest, "vmax": largest, "cmap": "RdBu_r"} if has_sign else {"cmap": "viridis"}
+    low, high = _limits(values if like is None else like, has_sign)
+    limits = {"vmin": low, "vmax": high, "cmap": "RdBu_r" if has_sign else "viridis"}
+    axes.grid(visible=False)
     mesh = axes.pcolormesh(faces[horizontal], faces[vertical], values.T, shading="flat", **limits)
     axes.set(aspect="equal" if 0.08 < _proportions(states, region, direction) < 3 else "auto",
              xlabel=f"{AXES[horizontal]} [m]", ylabel=f"{AXES[vertical]} [m]")
     axes.set_title(title, fontsize=9)
-    axes.grid(visible=False)
-    axes.figure.colorbar(mesh, ax=axes, shrink=0.8, pad=0.02)
+    axes.tick_params(labelsize=8)
+    axes.figure.colorbar(mesh, ax=axes, shrink=0.8, pad=0.02, extend="both").ax.tick_params(labelsize=8)
 
 
 def _picture_of(states, region, state, direction):
     names = states.field_names(region)
     is_flat = len(states.faces(region)[2]) == 2
     fields = [("speed [m/s]", numpy.linalg.norm(_slice(states, region, state, "velocity", direction), axis=-1), False),
-              ("vorticity [1/s]", _vorticity(states, region, state, direction), is_flat)]
+              ("vorticity [1/s]", vorticity_in_plane(states, region, state, direction), is_flat)]
     if "pressure" in names:
         fields.append(("pressure [Pa]", _slice(states, region, state, "pressure", direction), False))
     width = 10.0 / len(fields)
@@ -148,8 +159,12 @@ def _picture_over_time(states, region, direction):
         chart, grid = new_figure(len(chosen), 1, width=9.5, height=max(1.3, 8.5 * proportion + 0.6), squeeze=False)
     else:
         chart, grid = new_figure(1, len(chosen), width=10.0, height=10.0 / len(chosen) * proportion * 0.85 + 0.5, squeeze=False)
+    last = vorticity_in_plane(states, region, chosen[-1], direction)
     for axes, state in zip(grid.flat, chosen):
-        _draw(axes, states, region, direction, _vorticity(states, region, state, direction), f"t = {states.time[state]:.4g} s", is_flat)
+        values = vorticity_in_plane(states, region, state, direction)
+        _draw(axes, states, region, direction, values, f"t = {states.time[state]:.4g} s", is_flat, like=last)
+        if axes is not grid.flat[0] and proportion >= 0.45:
+            axes.set(ylabel="")
     return png_of(chart)
 
 

@@ -54,6 +54,9 @@ def _key_facts(scene):
         model = next((name for name in scene["flow"][0] if name != "fluid"), "flow")
         kind = find(scene, f"flow.{model}.model")
         yield "flow", f"{model}{', model ' + str(kind) if kind else ''}; density {find(scene, 'flow.fluid.density')} kg/m³, viscosity {find(scene, 'flow.fluid.viscosity')} Pa s"
+    grid = find(scene, "flow.navier_stokes.grid")
+    if grid:
+        yield "grid", " × ".join(_axis_words(grid[axis][0]) for axis in "xyz" if axis in grid) + " cells"
     for body in find(scene, "solid", {}).get("body", []):
         material = find(body, "material", {})
         law = next((name for name in material if name != "density"), None)
@@ -68,6 +71,14 @@ def _key_facts(scene):
         acceleration = next((name for name in ("constant", "aitken", "iqn_ils", "iqn_imvj") if name in find(scene, "coupling", {})), None)
         words = [find(scene, "coupling.scheme"), acceleration, f"{find(scene, 'coupling.predictor')} predictor"]
         yield "coupling", ", ".join(str(word).lower().replace("_", " ") for word in words if word)
+
+
+def _axis_words(axis):
+    """Number of cells where the scene says it."""
+    cells = find(axis, "uniform.cells")
+    if cells is None and "faces" in axis:
+        cells = len(axis["faces"][0]["face"]) - 1
+    return (str(cells) if cells is not None else "stretched") + (" periodic" if find(axis, "periodic") else "")
 
 
 def quantities(run):

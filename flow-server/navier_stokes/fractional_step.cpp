@@ -184,7 +184,6 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
 
     from = &end;
     done = --plan.n_steps == 0 ? duration : done + dt;
-    end.time = start.time + done;
     step.scheme = name_of(plan.scheme);
     append(all, step);
   }

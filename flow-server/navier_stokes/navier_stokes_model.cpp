@@ -1,5 +1,6 @@
 #include "flow-server/navier_stokes/navier_stokes_model.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -12,8 +13,18 @@ namespace couplet::flow {
 
 namespace {
 
-/// Borders of blocks stand at multiples of this where that costs no balance: multigrid then merges cells of one rank.
-constexpr int alignment = 8;
+/// Parts whose borders stand at multiples of 8, 4 or 2, so that multigrid merges cells of one rank: at the largest of
+/// these that makes no part more than a sixteenth larger than equal sharing would.
+Partition balanced_parts(int n_cells, int n_parts) {
+  const int equal_share = (n_cells + n_parts - 1) / n_parts;
+  for (const int alignment : {8, 4, 2}) {
+    const Partition partition = equal_parts(n_cells, n_parts, alignment);
+    int largest = 0;
+    for (int p = 0; p < n_parts; ++p) largest = std::max(largest, partition.start[p + 1] - partition.start[p]);
+    if (16 * largest <= 17 * equal_share) return partition;
+  }
+  return equal_parts(n_cells, n_parts, 1);
+}
 
 /// Adds the time from its making to its end.
 class Stopwatch {
@@ -53,7 +64,7 @@ BlockDecomposition decompose(const StretchedGrid& grid, const std::optional<Trip
                              "start the flow with as many ranks as blocks, or leave decomposition out");
   }
   std::array<Partition, 3> partitions;
-  for (int d = 0; d < 3; ++d) partitions[d] = equal_parts(n_cells[d], blocks[d], alignment);
+  for (int d = 0; d < 3; ++d) partitions[d] = balanced_parts(n_cells[d], blocks[d]);
   return {ranks, std::move(partitions), grid.is_periodic()};
 }
 

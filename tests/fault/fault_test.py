@@ -13,7 +13,7 @@ from pathlib import Path
 import h5py
 import meshio
 
-from run_under_test import PROGRAMS, SCENE, Run, descendants, interrupt, still_running
+from run_under_test import FLOW_SCENE, PROGRAMS, SCENE, Run, descendants, interrupt, still_running
 
 COUPLET = os.environ["COUPLET"]
 ENDS_WITHIN = 10  # [s] from the loss of a program to the end of the run: the promise of the contract
@@ -79,6 +79,81 @@ def add_loss_tests():
 
 
 add_loss_tests()
+
+
+class FlowRanksTest(FaultCase):
+    """A flow on several ranks: what happens to one of them ends all."""
+
+    def start_flow(self, *arguments, n_ranks=2, settings=()):
+        return self.start("--flow-ranks", str(n_ranks), *arguments, scene=FLOW_SCENE, common=(), settings=settings)
+
+    def expect_readable_states(self, run, n_states):
+        with h5py.File(run.out / "results" / "flow.h5") as file:
+            complete = [state for state in file["state"].values() if "time" in state]
+            self.assertGreaterEqual(len(complete), n_states)
+            for state in complete:
+                self.assertEqual(state["flow/velocity"][()].shape, (32, 32, 32, 3))
+
+    def lose(self, which, number, within):
+        run = self.start_flow(settings=[f"coupling.heartbeat_deadline={HEARTBEAT}"])
+        run.wait_for_steps(15)
+        ranks = run.pids_of("flow-server")
+        self.assertEqual(len(ranks), 2)
+        os.kill(ranks[which], number)
+        code, lines = run.end(within)
+        self.assertEqual(code, 4, lines)
+        self.assertEqual(still_running(ranks), [])
+        self.assertEqual(len(lines), 1, lines)
+        self.assertEqual(run.summary()["status"], "failed")
+        self.expect_readable_states(run, 15)
+        return lines[0]
+
+    def test_killed_first_rank(self):
+        self.assertIn("was killed (signal 9", self.lose(0, signal.SIGKILL, ENDS_WITHIN))
+
+    def test_killed_last_rank(self):
+        self.assertIn("was killed (signal 9", self.lose(1, signal.SIGKILL, ENDS_WITHIN))
+
+    def test_frozen_rank(self):
+        self.assertIn("stopped by a signal", self.lose(1, signal.SIGSTOP, HEARTBEAT + ENDS_WITHIN))
+
+    def test_interrupt_writes_a_checkpoint_to_continue_from(self):
+        run = self.start_flow()
+        run.wait_for_steps(5)
+        interrupt(run)
+        code, lines = run.end(ENDS_WITHIN)
+        self.assertEqual(code, 0, lines)
+        self.assertEqual(run.summary()["status"], "stopped")
+        rows = len(run.history()[1])
+        resumed = self.start_flow("--resume", str(run.out), "--steps", "3", n_ranks=1)
+        self.assertEqual(resumed.end(60)[0], 0)
+        self.assertEqual(len(resumed.history()[1]), rows + 3)
+
+    def test_a_wrong_scene_is_one_line(self):
+        run = self.start_flow(settings=["flow.navier_stokes.decomposition={x: 3}"])
+        code, lines = run.end(60)
+        self.assertEqual(code, 2)
+        self.assertEqual(lines, ["flow-server: flow.navier_stokes.decomposition: 3 x 1 x 1 blocks are not one for each of the 2 ranks; "
+                                 "start the flow with as many ranks as blocks, or leave decomposition out"])
+
+    def test_what_fails_on_one_rank_ends_all(self):
+        """The other rank waits for it somewhere inside the step and cannot be told."""
+        force = "abs(t-0.95)<0.06 && x>4 ? 0/0 : 0"
+        run = self.start_flow(settings=["flow.navier_stokes.decomposition={x: 2}", f'flow.navier_stokes.body_force.expression.x="{force}"'])
+        code, lines = run.end(60)
+        self.assertEqual(code, 2, lines)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("body_force.expression.x: is nan at x = ", lines[0])
+        self.assertEqual(run.summary()["status"], "failed")
+        self.expect_readable_states(run, 8)
+
+    def test_a_flow_that_blows_up_is_a_numerical_failure_on_all_ranks(self):
+        run = self.start_flow(settings=["flow.navier_stokes.smallest_step=0.05",
+                                        "flow.navier_stokes.body_force.expression.x=\"exp(min(t,20))*sin(y)\""])
+        code, lines = run.end(120)
+        self.assertEqual(code, 3, lines)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("; ", lines[0], "what to do next")
 
 
 class LauncherTest(FaultCase):

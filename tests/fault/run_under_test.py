@@ -11,6 +11,7 @@ from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
 SCENE = TOP / "deploy" / "scenes" / "vocal-fold-hybrid" / "scene.txtpb"
+FLOW_SCENE = TOP / "tests" / "fault" / "vortices.txtpb"
 PROGRAMS = ("coupler", "flow-server", "solid-server")
 
 # Implicit coupling and fields that are stored often: much is going on when something happens.
@@ -21,11 +22,11 @@ START_DEADLINE = 90  # [s] for a busy machine; usually below 1
 class Run:
     """`couplet run` in a folder of its own."""
 
-    def __init__(self, couplet, *arguments, settings=(), scene=SCENE):
+    def __init__(self, couplet, *arguments, settings=(), scene=SCENE, common=SETTINGS):
         self.temporary = tempfile.TemporaryDirectory(prefix="couplet fault ")
         self.out = Path(self.temporary.name) / "run"
         command = [couplet, "run", str(scene), "--out", str(self.out), "--quiet", "--no-report", *arguments]
-        for setting in [*SETTINGS, *settings]:
+        for setting in [*common, *settings]:
             command += ["--set", setting]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
@@ -55,6 +56,10 @@ class Run:
 
     def send(self, program, number):
         os.kill(self.pid_of(program), number)
+
+    def pids_of(self, program):
+        """All processes of a program of this run, oldest first."""
+        return sorted(pid for pid in descendants(self.process.pid) if name_of(pid) == program)
 
     def end(self, within):
         """Exit code and lines on standard error; fails when the run does not end in time [s]."""

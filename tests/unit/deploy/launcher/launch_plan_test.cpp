@@ -6,6 +6,8 @@
 
 #include <fstream>
 
+#include "deploy/launcher/flow_ranks.hpp"
+
 #include "proto/report/failure.hpp"
 
 namespace couplet::launcher {
@@ -63,6 +65,44 @@ TEST_F(LaunchPlanTest, FlowOnlySceneStartsTheFlowServerAlone) {
   EXPECT_THAT(found.servers, IsEmpty());
   EXPECT_THAT(found.leader.command,
               ElementsAre((programs_ / "flow-server").string(), "run", "scene.txtpb", "--out", "/run"));
+}
+
+TEST_F(LaunchPlanTest, FlowOnSeveralRanksIsOneJobThatFlowServerEndsInGoodOrder) {
+  scene_.mutable_flow()->mutable_navier_stokes();
+  options_.flow_ranks = 3;
+  const LaunchPlan found = plan();
+  EXPECT_THAT(found.servers, IsEmpty());
+  EXPECT_EQ(found.leader.name, "mpirun");
+  EXPECT_EQ(found.leader.owner_of_time, "flow-server");
+  EXPECT_THAT(found.leader.command,
+              ElementsAre("mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output", "-n", "3",
+                          (programs_ / "flow-server").string(), "run", "scene.txtpb", "--out", "/run"));
+  options_.flow_ranks = 1;
+  EXPECT_EQ(plan().leader.name, "flow-server");
+}
+
+TEST_F(LaunchPlanTest, GlottalFlowOnSeveralRanksIsRefused) {
+  scene_.mutable_flow()->mutable_glottis();
+  options_.flow_ranks = 2;
+  EXPECT_THROW(plan(), report::SceneError);
+}
+
+TEST_F(LaunchPlanTest, FlowRanksAreThoseOfTheUserThenOfTheBlocksThenOfTheCells) {
+  const Installation installation{programs_, "/sources", "python3"};
+  v1::Decomposition* blocks = scene_.mutable_flow()->mutable_navier_stokes()->mutable_decomposition();
+  blocks->set_x(2);
+  blocks->set_z(3);
+  EXPECT_EQ(choose_flow_ranks(scene_, options_, installation), 6);
+  options_.flow_ranks = 4;
+  EXPECT_EQ(choose_flow_ranks(scene_, options_, installation), 4);
+  EXPECT_EQ(ranks_for_cells(1000, 8), 1);
+  EXPECT_EQ(ranks_for_cells(1e5, 8), 4);
+  EXPECT_EQ(ranks_for_cells(1e8, 47), 36);
+  EXPECT_EQ(ranks_for_cells(1e8, 8), 8);
+  EXPECT_EQ(ranks_for_cells(1e8, 0), 1);
+  v1::Scene glottis;
+  glottis.mutable_flow()->mutable_glottis();
+  EXPECT_EQ(choose_flow_ranks(glottis, {}, installation), 1);
 }
 
 TEST_F(LaunchPlanTest, SceneWithNeitherFlowNorSolidIsRefused) {

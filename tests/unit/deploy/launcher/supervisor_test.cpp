@@ -19,7 +19,7 @@ using testing::HasSubstr;
 class SupervisorTest : public testing::Test {
  protected:
   static ProgramStart script(const std::string& name, const std::string& text) {
-    return {name, {"/bin/sh", "-c", text}, {}, {}};
+    return {name, {"/bin/sh", "-c", text}, {}, {}, {}};
   }
 
   std::string log_text() const {
@@ -112,7 +112,7 @@ TEST_F(SupervisorTest, WritesToTheLogWhatEveryProgramSays) {
 }
 
 TEST(ProcessTree, FindsWhatAProcessHasStarted) {
-  const ChildProcess process({"sh", {"/bin/sh", "-c", "sleep 60 & wait"}, {}, {}}, {});
+  const ChildProcess process({"sh", {"/bin/sh", "-c", "sleep 60 & wait"}, {}, {}, {}}, {});
   std::vector<ProcessState> tree;
   for (int i = 0; i < 500 && tree.size() < 2; ++i) {  // the shell needs a moment; 5 s are far more than it takes
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -14,11 +14,12 @@ TOP = Path(__file__).resolve().parents[4]
 sys.path[:0] = [str(TOP / "deploy" / "report"), str(Path(__file__).resolve().parent)]
 
 from comparison import comparison_page  # noqa: E402
+from flow_sections import vorticity_in_plane  # noqa: E402
 from oscillation import main_frequency, thin  # noqa: E402
 from report import report_page  # noqa: E402
 from run_folder import RunFolder  # noqa: E402
 from scene_text import find, parse_scene_text  # noqa: E402
-from synthetic_run import FREQUENCY, write_history, write_run  # noqa: E402
+from synthetic_run import FREQUENCY, write_flow_run, write_history, write_run  # noqa: E402
 from vocal_fold_sections import cycle_length, middle_outline  # noqa: E402
 
 
@@ -128,6 +129,38 @@ class SceneTextTest(unittest.TestCase):
         self.assertEqual(scene["d"], [1, 2])
         self.assertEqual(find(scene, "e.f"), "M2")
         self.assertIsNone(find(scene, "a.z.q"))
+
+
+class FlowPageTest(FolderTest):
+    def test_shows_every_section_of_a_flow_in_space(self):
+        page = report_page(RunFolder(write_flow_run(self.folder / "run")))
+        for title in ("The flow", "Energy", "Planes and points", "Distance from the exact solution", "Time steps", "Time spent where"):
+            self.assertIn(f"<h2>{title}</h2>", page)
+        self.assertEqual(page.count("data:image/png;base64,"), 4, "three middle planes and the vorticity over time")
+        self.assertIn(">123.4</td>", page)
+        self.assertNotIn('class="trouble"', page)
+        self.assertLess(len(page), 3e6)
+
+    def test_shows_one_plane_of_a_flow_in_two_dimensions(self):
+        page = report_page(RunFolder(write_flow_run(self.folder / "run", n_cells=(32, 16, 1))))
+        self.assertEqual(page.count("data:image/png;base64,"), 2)
+        self.assertIn("the plane of the flow", page)
+
+    def test_shows_no_pictures_where_none_are_stored(self):
+        run = write_flow_run(self.folder / "run")
+        for file in (run / "results").iterdir():
+            file.unlink()
+        page = report_page(RunFolder(run))
+        self.assertNotIn("<h2>The flow</h2>", page)
+        self.assertIn("<h2>Energy</h2>", page)
+
+    def testvorticity_in_plane_is_that_of_the_velocity(self):
+        states = RunFolder(write_flow_run(self.folder / "run", n_cells=(64, 64, 1))).flow_fields()
+        found = vorticity_in_plane(states, "flow", 0, 2)
+        centre = (numpy.arange(64) + 0.5) * 2 * numpy.pi / 64
+        exact = 2 * numpy.sin(centre)[:, None] * numpy.sin(centre)[None, :]
+        inside = slice(2, -2)  # differences at the ends are one-sided
+        self.assertLess(numpy.abs(found - exact)[inside, inside].max(), 2 * (2 * numpy.pi / 64) ** 2)
 
 
 if __name__ == "__main__":

@@ -83,3 +83,44 @@ def write_run(folder, n_rows=5000, end=0.5):
                "quantities": {"frequency": {"value": FREQUENCY, "unit": "Hz", "spread": 0.5, "cycles": 26}}}
     (folder / "summary.json").write_text(json.dumps(summary))
     return folder
+
+
+FLOW_SCENE = """
+title: "synthetic vortices"
+time { end: 2 step: 0.1 }
+flow { fluid { density: 1 viscosity: 0.01 } navier_stokes { grid {
+  x { uniform { start: 0 end: 6.3 cells: 16 } } y { uniform { start: 0 end: 6.3 cells: 16 } } z { uniform { start: 0 end: 6.3 cells: 16 } } }
+  integral_quantities: true } }
+"""
+
+
+def write_flow_run(folder, n_cells=(16, 16, 16), n_states=3):
+    """A flow in two or three dimensions: a vortex about z in every state, and a history in which energy decays."""
+    (folder / "results").mkdir(parents=True)
+    (folder / "resolved_scene.txtpb").write_text(FLOW_SCENE)
+    with h5py.File(folder / "results" / "flow.h5", "w") as file:
+        faces = [numpy.linspace(0, 2 * math.pi, n + 1) for n in n_cells]
+        for axis, values in zip("xyz", faces):
+            file[f"grid/flow/{axis}"] = values
+        x, y, z = numpy.meshgrid(*[0.5 * (f[1:] + f[:-1]) for f in faces], indexing="ij")
+        for state in range(n_states):
+            group = f"state/{state:06d}"
+            velocity = numpy.stack([numpy.sin(x) * numpy.cos(y), -numpy.cos(x) * numpy.sin(y), 0 * z], axis=-1) / (1 + state)
+            file[f"{group}/flow/velocity"] = velocity.transpose(2, 1, 0, 3).astype("f4")
+            file[f"{group}/flow/pressure"] = (numpy.cos(2 * x) + numpy.cos(2 * y)).transpose(2, 1, 0).astype("f4")
+            file[f"{group}/time"] = numpy.array([0.5 * state])
+    (folder / "results" / "flow.xmf").write_text("<Xdmf/>")
+    columns = ["time [s]", "dt [s]", "inner_iterations [1]", "flow.substeps [1]", "flow.courant [1]", "flow.largest_speed [m/s]",
+               "flow.divergence [1/s]", "flow.pressure_iterations [1]", "flow.pressure_residual [1]", "flow.kinetic_energy [J]",
+               "flow.dissipation [W]", "flow.enstrophy [m^3/s^2]", "cut.flow_rate [m^3/s]", "cut.momentum_flux [N]",
+               "wake.velocity_x [m/s]", "wake.pressure [Pa]", "flow.velocity_error_l2 [m/s]", "flow.velocity_error_max [m/s]",
+               "flow.pressure_error_l2 [Pa]"]
+    rows = [[0.1 * n, 0.1, 0, 1 + n % 2, 0.5, 1 - 0.01 * n, 1e-9 * (n + 1), 3, 1e-4, math.exp(-0.1 * n), 0.1 * math.exp(-0.1 * n), 5, math.sin(n),
+             1, math.cos(n), 0.1 * n, 1e-3 * (n + 1), 2e-3 * (n + 1), 1e-4] for n in range(20)]
+    (folder / "history.csv").write_text("\n".join([",".join(columns)] + [",".join(map(str, row)) for row in rows]) + "\n")
+    (folder / "summary.json").write_text(json.dumps({
+        "status": "finished", "steps": 20, "end_time": 2, "wall_seconds": 4,
+        "programs": {"flow-server": {"seconds": 3.5, "peak_memory_bytes": 1e8, "cells": 4096.0, "cells_active": 4096.0, "ranks": 2.0,
+                                     "ns_per_cell_step": 123.4, "bytes_per_cell": 180.0, "seconds_solve": 3.0, "seconds_measurements": 0.1,
+                                     "seconds_results": 0.3, "seconds_checkpoints": 0.1}}}))
+    return folder

@@ -166,7 +166,7 @@ TEST(NavierStokesModel, RefusesACheckpointOfAnotherGrid) {
   NavierStokesModel model(duct(TimeScheme::adams_bashforth, false), MPI_COMM_WORLD);
   model.write_checkpoint(folder.path() / "flow.h5");
   NavierStokesOptions options = duct(TimeScheme::adams_bashforth, false);
-  options.setup.grid = stretched_box({16, 12, 9}, {false, false, true});
+  options.setup.grid = stretched_box({16, 12, 10}, {false, false, true});
   NavierStokesModel other(options, MPI_COMM_WORLD);
   try {
     other.resume(folder.path() / "flow.h5");
@@ -180,6 +180,15 @@ TEST(NavierStokesModel, WantsOneBlockForEachRank) {
   NavierStokesOptions options = duct(TimeScheme::adams_bashforth, false);
   options.shape = {1, 1, ranks_of_test() + 1};
   EXPECT_THROW(NavierStokesModel(options, MPI_COMM_WORLD), report::SceneError);
+}
+
+TEST(NavierStokesModel, SharesCellsEvenlyAndInMultiplesOfCoarseCellsWhereThatCostsLittle) {
+  const int n = ranks_of_test();
+  const BlockDecomposition even = decompose(stretched_box({24, 8, 8}), Triple{n, 1, 1}, MPI_COMM_WORLD);
+  EXPECT_EQ(even.mine().size(0), 24 / n);
+  const BlockDecomposition coarse = decompose(stretched_box({100, 8, 8}), Triple{n, 1, 1}, MPI_COMM_WORLD);
+  EXPECT_EQ(coarse.mine().begin[0] % 2, 0);
+  EXPECT_LE(coarse.mine().size(0), (100 + n - 1) / n * 17 / 16);
 }
 
 TEST(NavierStokesModel, CountsItsCost) {
