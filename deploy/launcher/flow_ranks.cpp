@@ -1,9 +1,11 @@
 #include "deploy/launcher/flow_ranks.hpp"
 
 #include <algorithm>
+#include <string>
 #include <thread>
 
 #include "deploy/launcher/server_estimate.hpp"
+#include "proto/report/failure.hpp"
 
 namespace couplet::launcher {
 
@@ -28,12 +30,18 @@ int ranks_for_cells(double n_cells, int n_cores) {
 }
 
 int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation) {
-  if (options.flow_ranks > 0) return options.flow_ranks;
-  if (!scene.flow().has_navier_stokes()) return 1;
   if (scene.flow().navier_stokes().has_decomposition()) {
     const v1::Decomposition& blocks = scene.flow().navier_stokes().decomposition();
-    return blocks.x() * blocks.y() * blocks.z();
+    const int n_blocks = blocks.x() * blocks.y() * blocks.z();
+    if (options.flow_ranks > 0 && options.flow_ranks != n_blocks)
+      throw report::SceneError(
+          "--flow-ranks",
+          std::to_string(options.flow_ranks) + " is not the number of blocks in the scene, " + std::to_string(n_blocks),
+          "leave out --flow-ranks, or flow.navier_stokes.decomposition");
+    return n_blocks;
   }
+  if (options.flow_ranks > 0) return options.flow_ranks;
+  if (!scene.flow().has_navier_stokes()) return 1;
   for (const Estimate& estimate : ask_for_estimate("flow-server", options.scene, options.settings, installation)) {
     if (estimate.name != "cells_active") continue;
     return ranks_for_cells(estimate.value, static_cast<int>(std::thread::hardware_concurrency()));

@@ -7,8 +7,8 @@
 
 namespace couplet::launcher {
 
-/// As the user says; otherwise as many as the scene has blocks; otherwise one for each core, but no more than share the
-/// cells well. One-dimensional flow runs on one.
+/// As many as the scene has blocks; otherwise as the user says; otherwise one for each core, but no more than share the
+/// cells well. One-dimensional flow runs on one. Throws SceneError where scene and user contradict each other.
 int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation);
 
 /// The last part of that choice: a number that can be cut into blocks, a product of twos and threes.

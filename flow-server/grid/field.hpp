@@ -1,6 +1,7 @@
 #pragma once
 // One number a cell (or a face) of a block, with ghost layers.
 
+#include <array>
 #include <cstdlib>
 #include <memory>
 #include <new>
@@ -58,5 +59,8 @@ class Field {
   std::size_t n_values_ = 0;
   std::unique_ptr<Number[], Free> values_;
 };
+
+/// One field a direction; in two dimensions the third is empty.
+using VectorField = std::array<Field<double>, 3>;
 
 }  // namespace couplet::flow

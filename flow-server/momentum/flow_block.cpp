@@ -23,4 +23,17 @@ AxisMetrics make_axis_metrics(const StretchedAxis& axis, int begin, int end) {
   return metrics;
 }
 
+Point centre_of_cell(const FlowBlock& block, const Triple& cell) {
+  const Triple& origin = block.decomposition->mine().begin;
+  Point point;
+  for (int e = 0; e < 3; ++e) point[e] = block.grid->axis[e].centre(origin[e] + cell[e]);
+  return point;
+}
+
+Point centre_of_face(const FlowBlock& block, int d, const Triple& cell) {
+  Point point = centre_of_cell(block, cell);
+  point[d] = block.grid->axis[d].face(block.decomposition->mine().begin[d] + cell[d] + 1);
+  return point;
+}
+
 }  // namespace couplet::flow

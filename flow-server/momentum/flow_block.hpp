@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "flow-server/boundary/space_time_value.hpp"
 #include "flow-server/grid/active_cells.hpp"
 #include "flow-server/grid/block_decomposition.hpp"
 #include "flow-server/grid/field.hpp"
@@ -61,6 +62,8 @@ struct FlowBlock {
     if (decomposition->is_at_border(d, 0)) box.begin[d] = -1;
     return box;
   }
+  /// The cells and the faces around them.
+  Box everything() const { return box_of(sizes).grown({1, 1, 1}); }
   Field<double> new_field() const { return {sizes, ghosts}; }
   std::array<Field<double>, 3> new_vector_field() const {
     std::array<Field<double>, 3> fields;
@@ -68,6 +71,10 @@ struct FlowBlock {
     return fields;
   }
 };
+
+/// Where the middle of a cell, and of its face at the end of direction d, stand [m]; local indices.
+Point centre_of_cell(const FlowBlock& block, const Triple& cell);
+Point centre_of_face(const FlowBlock& block, int d, const Triple& cell);
 
 /// The metrics of the part begin <= i < end of an axis.
 AxisMetrics make_axis_metrics(const StretchedAxis& axis, int begin, int end);

@@ -46,6 +46,8 @@ struct NavierStokesSetup {
   StepLimits step;
   PressureSettings pressure;
   bool balances_inflow = false;  // spread a net inflow over the prescribed inlets where it has no way out
+
+  double kinematic_viscosity() const { return viscosity / density; }  // [m^2/s]
 };
 
 }  // namespace couplet::flow

@@ -87,13 +87,22 @@ TEST_F(LaunchPlanTest, GlottalFlowOnSeveralRanksIsRefused) {
   EXPECT_THROW(plan(), report::SceneError);
 }
 
-TEST_F(LaunchPlanTest, FlowRanksAreThoseOfTheUserThenOfTheBlocksThenOfTheCells) {
+TEST_F(LaunchPlanTest, FlowRanksAreThoseOfTheBlocksThenOfTheUserThenOfTheCells) {
   const Installation installation{programs_, "/sources", "python3"};
   v1::Decomposition* blocks = scene_.mutable_flow()->mutable_navier_stokes()->mutable_decomposition();
   blocks->set_x(2);
   blocks->set_z(3);
   EXPECT_EQ(choose_flow_ranks(scene_, options_, installation), 6);
   options_.flow_ranks = 4;
+  try {
+    choose_flow_ranks(scene_, options_, installation);
+    FAIL() << "four ranks for six blocks were not refused";
+  } catch (const report::SceneError& error) {
+    EXPECT_STREQ(error.what(),
+                 "--flow-ranks: 4 is not the number of blocks in the scene, 6; leave out --flow-ranks, or "
+                 "flow.navier_stokes.decomposition");
+  }
+  scene_.mutable_flow()->mutable_navier_stokes()->clear_decomposition();
   EXPECT_EQ(choose_flow_ranks(scene_, options_, installation), 4);
   EXPECT_EQ(ranks_for_cells(1000, 8), 1);
   EXPECT_EQ(ranks_for_cells(1e5, 8), 4);
