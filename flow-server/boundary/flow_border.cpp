@@ -1,7 +1,6 @@
 #include "flow-server/boundary/flow_border.hpp"
 
 #include <cmath>
-#include <sstream>
 
 #include "proto/report/failure.hpp"
 
@@ -9,12 +8,7 @@ namespace couplet::flow {
 
 namespace {
 
-std::string text(double value) {
-  std::ostringstream out;
-  out.precision(6);
-  out << value;
-  return out.str();
-}
+using report::text;
 
 std::string border_name(int direction, int side) {
   return std::string("border ") + "xyz"[direction] + (side == 0 ? " start" : " end");
@@ -118,6 +112,7 @@ FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& deco
       borders_.push_back(std::move(border));
     }
   }
+  if (is_fluid) leave_out_solid(is_fluid);
   sum_over_ranks(counts);
   sum_over_ranks(has_kind);
   for (int d = 0; d < n_dimensions_; ++d)
@@ -129,6 +124,28 @@ FlowBorder::FlowBorder(const StretchedGrid& grid, const BlockDecomposition& deco
     }
   outflow_area_ = has_kind[0];
   has_outflow_ = outflow_area_ > 0;
+}
+
+/// What stands beside solid cells only would cost memory for cells that are never computed.
+void FlowBorder::leave_out_solid(const IsFluid& is_fluid) {
+  for (Border& border : borders_)
+    for (int c = 0; c < n_dimensions_; ++c) {
+      Layer& layer = border.layer[c];
+      const int d = border.direction;
+      const auto is_fluid_at = [&](Triple cell) {
+        cell[d] = border.inside;
+        Point centre;
+        for (int e = 0; e < 3; ++e) centre[e] = grid_.axis[e].centre(decomposition_.mine().begin[e] + cell[e]);
+        return is_fluid(centre);
+      };
+      std::vector<std::uint8_t> is_beside_fluid(layer.kind.size());
+      for_each(border, layer, [&](Triple cell, std::size_t m) {
+        const bool here = is_fluid_at(cell);
+        if (c != d) ++cell[c];
+        is_beside_fluid[m] = here || is_fluid_at(cell);
+      });
+      layer.is_beside_fluid = std::move(is_beside_fluid);
+    }
 }
 
 Point FlowBorder::place_of(const Border& border, int component, const Triple& cell) const {
@@ -164,7 +181,7 @@ BorderKind FlowBorder::kind(int direction, int side, const Triple& cell) const {
   return BorderKind::prescribed;
 }
 
-void FlowBorder::begin_step(const std::array<Field<double>, 3>& velocity) {
+void FlowBorder::begin_step(const VectorField& velocity) {
   if (!has_openings_ && !has_outflow_) return;
   // Per patch: what flows in less what flows out, and both together [m^3/s].
   std::vector<double> flow(2 * patches_.size(), 0.0);
@@ -212,7 +229,7 @@ void FlowBorder::evaluate_prescribed(double time) {
     }
 }
 
-void FlowBorder::set_time(double time, double elapsed, const std::array<Field<double>, 3>& begin) {
+void FlowBorder::set_time(double time, double elapsed, const VectorField& begin) {
   const bool is_new = !is_evaluated_ || (prescribed_varies_ && time != evaluated_time_) || balances_inflow_;
   if (is_new) evaluate_prescribed(time);
   evaluated_time_ = time;
@@ -300,7 +317,7 @@ void FlowBorder::set_pressure_time(double time) {
   pressure_is_evaluated_ = true;
 }
 
-void FlowBorder::impose(std::array<Field<double>, 3>& velocity, bool with_outflow) const {
+void FlowBorder::impose(VectorField& velocity, bool with_outflow) const {
   for (const Border& border : borders_) {
     const int d = border.direction;
     const Layer& layer = border.layer[d];
@@ -319,7 +336,7 @@ void FlowBorder::remember() {
 
 /// How the ghost of a tangential velocity follows from the border's and the two inner ones.
 GhostWeights FlowBorder::ghost_weights(const Border& border, int component, Triple cell, std::size_t m,
-                                       const std::array<Field<double>, 3>& velocity) const {
+                                       const VectorField& velocity) const {
   const BorderKind kind = border.layer[component].kind[m];
   if (kind == BorderKind::prescribed) return border.ghost;
   const GhostWeights no_shear{.border = 0, .first = 1, .second = 0};
@@ -333,7 +350,7 @@ GhostWeights FlowBorder::ghost_weights(const Border& border, int component, Trip
   return outward < 0 ? GhostWeights{} : no_shear;
 }
 
-void FlowBorder::fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) const {
+void FlowBorder::fill_velocity_ghosts(VectorField& velocity) const {
   for (const Border& border : borders_) {
     const int d = border.direction;
     for (int c = 0; c < n_dimensions_; ++c) {
@@ -391,8 +408,7 @@ void FlowBorder::fill_increment_ghosts(Field<double>& phi) const {
   }
 }
 
-void FlowBorder::add_pressure_change(double factor, const Field<double>& pressure,
-                                     std::array<Field<double>, 3>& velocity) const {
+void FlowBorder::add_pressure_change(double factor, const Field<double>& pressure, VectorField& velocity) const {
   for (const Border& border : borders_) {
     const int d = border.direction;
     const Layer& layer = border.layer[d];
@@ -406,8 +422,7 @@ void FlowBorder::add_pressure_change(double factor, const Field<double>& pressur
   }
 }
 
-void FlowBorder::impose_rate(double time, double elapsed, const std::array<Field<double>, 3>& velocity,
-                             std::array<Field<double>, 3>& rate) {
+void FlowBorder::impose_rate(double time, double elapsed, const VectorField& velocity, VectorField& rate) {
   begin_step(velocity);
   std::vector<std::vector<double>> before;
   set_time(time, 0, velocity);

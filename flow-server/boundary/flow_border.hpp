@@ -32,26 +32,25 @@ class FlowBorder {
   bool is_partly_open(int direction, int side) const { return partly_open_[direction][side]; }
 
   /// Collective, once a step: notes what flows through openings and outflows in the beginning.
-  void begin_step(const std::array<Field<double>, 3>& velocity);
+  void begin_step(const VectorField& velocity);
   /// Collective. The velocities on the border at `time`, `elapsed` after `begin`, the velocity in the beginning of the
   /// step. Throws when a value is not a number, or when what flows in has no way out (unless it is balanced).
-  void set_time(double time, double elapsed, const std::array<Field<double>, 3>& begin);
+  void set_time(double time, double elapsed, const VectorField& begin);
   /// The pressures on the openings at `time`.
   void set_pressure_time(double time);
   double net_inflow() const { return net_inflow_; }  // prescribed, before it was balanced [m^3/s]
 
   /// Writes the known normal velocities of border faces; with or without those of outflows.
-  void impose(std::array<Field<double>, 3>& velocity, bool with_outflow = true) const;
+  void impose(VectorField& velocity, bool with_outflow = true) const;
   /// Fills the ghost layer beyond the borders. Reads one ghost layer beside neighbours.
-  void fill_velocity_ghosts(std::array<Field<double>, 3>& velocity) const;
+  void fill_velocity_ghosts(VectorField& velocity) const;
   void fill_pressure_ghosts(Field<double>& pressure) const;
   /// Beyond openings phi = 0, at the border.
   void fill_increment_ghosts(Field<double>& phi) const;
   /// velocity -= factor * gradient of (pressure on the opening now - what the ghosts of `pressure` hold).
-  void add_pressure_change(double factor, const Field<double>& pressure, std::array<Field<double>, 3>& velocity) const;
+  void add_pressure_change(double factor, const Field<double>& pressure, VectorField& velocity) const;
   /// The rate of change of the known normal velocities between two times, for the initial pressure [m/s^2].
-  void impose_rate(double time, double elapsed, const std::array<Field<double>, 3>& velocity,
-                   std::array<Field<double>, 3>& rate);
+  void impose_rate(double time, double elapsed, const VectorField& velocity, VectorField& rate);
 
   /// Keeps the present velocities of the border, so that changes from them can be told.
   void remember();
@@ -59,8 +58,7 @@ class FlowBorder {
   /// side, weights that make the ghost from border, first and second value, change of the border's value since
   /// remember()).
   template <class Visit>
-  void visit_tangential(int component, int direction, const std::array<Field<double>, 3>& velocity,
-                        const Visit& visit) const {
+  void visit_tangential(int component, int direction, const VectorField& velocity, const Visit& visit) const {
     for (const Border& border : borders_) {
       if (border.direction != direction) continue;
       const Layer& layer = border.layer[component];
@@ -79,6 +77,7 @@ class FlowBorder {
   struct Layer {  // of one component on one border; indices in the two other directions
     Triple begin{}, end{};
     std::vector<BorderKind> kind;
+    std::vector<std::uint8_t> is_beside_fluid;  // empty: all are; the others are neither read nor written
     std::vector<std::uint16_t> patch;
     std::vector<double> value;       // prescribed or outflow velocity [m/s]
     std::vector<double> remembered;  // an earlier value [m/s]
@@ -109,11 +108,13 @@ class FlowBorder {
     std::size_t n = 0;
     Triple cell{};
     for (cell[b] = layer.begin[b]; cell[b] < layer.end[b]; ++cell[b])
-      for (cell[a] = layer.begin[a]; cell[a] < layer.end[a]; ++cell[a], ++n) visit(cell, n);
+      for (cell[a] = layer.begin[a]; cell[a] < layer.end[a]; ++cell[a], ++n)
+        if (layer.is_beside_fluid.empty() || layer.is_beside_fluid[n] != 0) visit(cell, n);
   }
   GhostWeights ghost_weights(const Border& border, int component, Triple cell, std::size_t m,
-                             const std::array<Field<double>, 3>& velocity) const;
+                             const VectorField& velocity) const;
   Point place_of(const Border& border, int component, const Triple& cell) const;
+  void leave_out_solid(const IsFluid& is_fluid);
   double face_area(const Border& border, const Triple& cell) const;
   void sum_over_ranks(std::vector<double>& sums);
   void evaluate_prescribed(double time);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "proto/report/failure.hpp"
 
@@ -10,11 +9,7 @@ namespace couplet::flow {
 
 namespace {
 
-std::string text(double value) {
-  std::ostringstream out;
-  out << value;
-  return out.str();
-}
+using report::text;
 
 /// Widths that grow from `first` by one ratio, at most `growth`, up to about `last`, and fill `length` exactly.
 std::vector<double> growing_widths(double length, double first, double growth, double last) {

@@ -26,10 +26,9 @@ class MomentumSweep {
  public:
   static constexpr bool three = n_dimensions == 3;
 
-  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const std::array<Field<double>, 3>& carrier,
-                const std::array<Field<double>, 3>& velocity, const Field<double>& pressure,
-                const std::array<Field<double>, 3>* rate_before, std::array<Field<double>, 3>* rate,
-                std::array<Field<double>, 3>& new_velocity)
+  MomentumSweep(const FlowBlock& block, const MomentumWeights& weights, const VectorField& carrier,
+                const VectorField& velocity, const Field<double>& pressure, const VectorField* rate_before,
+                VectorField* rate, VectorField& new_velocity)
       : block_(block),
         weights_(weights),
         carrier_(is_own_carrier ? velocity : carrier),
@@ -160,12 +159,12 @@ class MomentumSweep {
 
   const FlowBlock& block_;
   const MomentumWeights& weights_;
-  const std::array<Field<double>, 3>& carrier_;
-  const std::array<Field<double>, 3>& velocity_;
+  const VectorField& carrier_;
+  const VectorField& velocity_;
   const Field<double>& pressure_;
-  const std::array<Field<double>, 3>* rate_before_;
-  std::array<Field<double>, 3>* rate_;
-  std::array<Field<double>, 3>& new_velocity_;
+  const VectorField* rate_before_;
+  VectorField* rate_;
+  VectorField& new_velocity_;
 };
 
 template <class Sweep>
@@ -188,8 +187,7 @@ void sweep_rows(const FlowBlock& block, const Box& part, Sweep sweep) {
 
 /// The part of the shear at walls inside the grid that the sweep does not see.
 void add_inner_walls(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
-                     const std::array<Field<double>, 3>& velocity, std::array<Field<double>, 3>* rate,
-                     std::array<Field<double>, 3>& new_velocity) {
+                     const VectorField& velocity, VectorField* rate, VectorField& new_velocity) {
   for (int c = 0; c < block.n_dimensions; ++c)
     for (const InnerWall& wall : block.inner_walls[c]) {
       if (!part.contains(wall.cell)) continue;
@@ -203,9 +201,8 @@ void add_inner_walls(const FlowBlock& block, const Box& part, const MomentumWeig
 }  // namespace
 
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
-                      const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                      const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
-                      std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity) {
+                      const VectorField& carrier, const VectorField& velocity, const Field<double>& pressure,
+                      const VectorField* rate_before, VectorField* rate, VectorField& new_velocity) {
   const auto with = [&]<int n_dimensions, bool is_own_carrier, bool reads_before, bool stores_rate>() {
     sweep_rows(block, part,
                MomentumSweep<n_dimensions, is_own_carrier, reads_before, stores_rate>(

@@ -22,8 +22,7 @@ struct MomentumWeights {
 /// computes, out of place. `rate_before`: not read where weights.before is 0; `rate`: where not null the rate of old
 /// [m/s^2] is stored, may be the same fields as rate_before.
 void advance_momentum(const FlowBlock& block, const Box& part, const MomentumWeights& weights,
-                      const std::array<Field<double>, 3>& carrier, const std::array<Field<double>, 3>& velocity,
-                      const Field<double>& pressure, const std::array<Field<double>, 3>* rate_before,
-                      std::array<Field<double>, 3>* rate, std::array<Field<double>, 3>& new_velocity);
+                      const VectorField& carrier, const VectorField& velocity, const Field<double>& pressure,
+                      const VectorField* rate_before, VectorField* rate, VectorField& new_velocity);
 
 }  // namespace couplet::flow

@@ -1,5 +1,7 @@
 #include "flow-server/momentum/flow_block.hpp"
 
+#include <algorithm>
+
 namespace couplet::flow {
 
 AxisMetrics make_axis_metrics(const StretchedAxis& axis, int begin, int end) {
@@ -34,6 +36,13 @@ Point centre_of_face(const FlowBlock& block, int d, const Triple& cell) {
   Point point = centre_of_cell(block, cell);
   point[d] = block.grid->axis[d].face(block.decomposition->mine().begin[d] + cell[d] + 1);
   return point;
+}
+
+void set_zero(const FlowBlock& block, Field<double>& field) {
+  for (int k = 0; k < block.sizes[2]; ++k)
+    for (int j = 0; j < block.sizes[1]; ++j)
+      for_each_interval(block.cells, j, k, 0, block.sizes[0],
+                        [&](int begin, int end) { std::fill(field.row(j, k) + begin, field.row(j, k) + end, 0.0); });
 }
 
 }  // namespace couplet::flow

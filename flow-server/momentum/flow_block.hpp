@@ -65,8 +65,8 @@ struct FlowBlock {
   /// The cells and the faces around them.
   Box everything() const { return box_of(sizes).grown({1, 1, 1}); }
   Field<double> new_field() const { return {sizes, ghosts}; }
-  std::array<Field<double>, 3> new_vector_field() const {
-    std::array<Field<double>, 3> fields;
+  VectorField new_vector_field() const {
+    VectorField fields;
     for (int d = 0; d < n_dimensions; ++d) fields[static_cast<std::size_t>(d)] = new_field();
     return fields;
   }
@@ -90,5 +90,8 @@ void for_each_interval(const ActiveCells& cells, int j, int k, int begin, int en
     if (from < to) visit(from, to);
   }
 }
+
+/// Makes the values of the cells that hold fluid 0; the others are never touched.
+void set_zero(const FlowBlock& block, Field<double>& field);
 
 }  // namespace couplet::flow

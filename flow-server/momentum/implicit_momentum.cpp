@@ -13,8 +13,7 @@ ImplicitMomentum::ImplicitMomentum(const FlowBlock& block, const FlowBorder& bor
   for (int d = 0; d < block.n_dimensions; ++d) lines_[d] = std::make_unique<LineSolver>(*block.decomposition, d);
 }
 
-void ImplicitMomentum::solve(double half_step, double viscosity, const std::array<Field<double>, 3>& carrier,
-                             std::array<Field<double>, 3>& change) {
+void ImplicitMomentum::solve(double half_step, double viscosity, const VectorField& carrier, VectorField& change) {
   for (int c = 0; c < block_.n_dimensions; ++c)
     for (int d = block_.n_dimensions - 1; d >= 0; --d) {
       fill_rows(c, d, half_step, viscosity, carrier);
@@ -25,8 +24,7 @@ void ImplicitMomentum::solve(double half_step, double viscosity, const std::arra
 }
 
 /// Row i: x_i + dt/2 (F_i - F_{i-1}) / width, F_i = C_i (x_i + x_{i+1}) / 2 - nu (x_{i+1} - x_i) / distance.
-void ImplicitMomentum::fill_rows(int c, int d, double half_step, double viscosity,
-                                 const std::array<Field<double>, 3>& carrier) {
+void ImplicitMomentum::fill_rows(int c, int d, double half_step, double viscosity, const VectorField& carrier) {
   const AxisMetrics& along = block_.axis[d];
   const Field<double>& normal = carrier[d];
   // Steps in memory along the line and along the component.
@@ -81,7 +79,7 @@ void ImplicitMomentum::add_inner_walls(int c, int d, double half_step, double vi
 }
 
 /// The ends of lines at borders: the known change there goes to the right side, the ghost into the matrix.
-void ImplicitMomentum::close_rows(int c, int d, const std::array<Field<double>, 3>& carrier, Field<double>& change) {
+void ImplicitMomentum::close_rows(int c, int d, const VectorField& carrier, Field<double>& change) {
   if (c == d) {
     if (!block_.decomposition->is_at_border(d, 0)) return;
     Box first = box_of(block_.sizes);

@@ -22,17 +22,15 @@ class ImplicitMomentum {
   /// faces whose velocity is known are that velocity's change, before and after. `carrier`: the convecting velocity
   /// with its inner ghost layer. The border must hold the values of the end of the step and remember those of its
   /// beginning.
-  void solve(double half_step, double viscosity, const std::array<Field<double>, 3>& carrier,
-             std::array<Field<double>, 3>& change);
+  void solve(double half_step, double viscosity, const VectorField& carrier, VectorField& change);
 
   Traffic traffic() const;
   std::size_t n_bytes() const;
 
  private:
-  void fill_rows(int component, int direction, double half_step, double viscosity,
-                 const std::array<Field<double>, 3>& carrier);
+  void fill_rows(int component, int direction, double half_step, double viscosity, const VectorField& carrier);
   void add_inner_walls(int component, int direction, double half_step, double viscosity);
-  void close_rows(int component, int direction, const std::array<Field<double>, 3>& carrier, Field<double>& change);
+  void close_rows(int component, int direction, const VectorField& carrier, Field<double>& change);
 
   const FlowBlock& block_;
   const FlowBorder& border_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "proto/report/failure.hpp"
 
@@ -11,12 +10,7 @@ namespace couplet::flow {
 
 namespace {
 
-std::string text(double value) {
-  std::ostringstream out;
-  out.precision(6);
-  out << value;
-  return out.str();
-}
+using report::text;
 
 std::string place_of(const FlowBlock& block, const Triple& cell) {
   std::string place = "cell (";
@@ -27,7 +21,7 @@ std::string place_of(const FlowBlock& block, const Triple& cell) {
 
 }  // namespace
 
-void require_finite(const FlowBlock& block, const std::array<Field<double>, 3>& velocity, double time) {
+void require_finite(const FlowBlock& block, const VectorField& velocity, double time) {
   const Triple n_cells = block.grid->n_cells(), origin = block.decomposition->mine().begin;
   const long none = std::numeric_limits<long>::max();
   long first = none;

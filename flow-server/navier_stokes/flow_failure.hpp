@@ -7,7 +7,7 @@
 namespace couplet::flow {
 
 /// Collective. Throws NumericsError, naming the first cell, where a velocity is not a number.
-void require_finite(const FlowBlock& block, const std::array<Field<double>, 3>& velocity, double time);
+void require_finite(const FlowBlock& block, const VectorField& velocity, double time);
 
 /// Collective. Throws NumericsError, naming the cell that asks for the smallest step, and its speed.
 [[noreturn]] void refuse_step(const FlowBlock& block, const FlowState& state, double step, double smallest);

@@ -23,12 +23,12 @@ struct FlowState {
   double time = 0;                                              // of the velocity [s]
   double pressure_time = 0;                                     // half a step behind it [s]
   double last_step = std::numeric_limits<double>::quiet_NaN();  // [s]; not a number: none was taken yet
-  std::array<Field<double>, 3> velocity;                        // [m/s]
+  VectorField velocity;                                         // [m/s]
   Field<double> pressure;                                       // [Pa]
   double courant_rate = 0;   // largest sum of |u| / dx of the velocity on all ranks [1/s]
   double largest_speed = 0;  // of the velocity on all ranks [m/s]
   RateKind rate_kind = RateKind::none;
-  std::array<Field<double>, 3> rate;  // [m/s^2]; empty where the scheme needs none
+  VectorField rate;  // [m/s^2]; empty where the scheme needs none
 };
 
 }  // namespace couplet::flow

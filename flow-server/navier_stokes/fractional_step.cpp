@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 #include "flow-server/navier_stokes/flow_domain.hpp"
@@ -21,12 +20,7 @@ namespace {
 /// An interval that asks for more steps than a million will not end: the flow has blown up.
 constexpr double shortest_share = 1e-6;
 
-std::string text(double value) {
-  std::ostringstream out;
-  out.precision(6);
-  out << value;
-  return out.str();
-}
+using report::text;
 
 const NavierStokesSetup& checked(const NavierStokesSetup& setup, const BlockDecomposition& decomposition) {
   const auto refuse = [](const std::string& where, double value, const std::string& unit, const std::string& advice) {

@@ -1,6 +1,5 @@
 #include "flow-server/navier_stokes/initial_flow.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "flow-server/momentum/body_force.hpp"
@@ -18,9 +17,12 @@ void set_velocity(const NavierStokesSetup& setup, const FlowBlock& block, Vector
       for (int j = box.begin[1]; j < box.end[1]; ++j)
         for (int i = box.begin[0]; i < box.end[0]; ++i) {
           const Triple cell{i, j, k};
+          Triple inside = cell;  // of the grid, where the face stands on its border
+          if (cell[d] == -1) inside[d] = 0;
           const bool is_on_border =
               cell[d] == -1 || (cell[d] == block.sizes[d] - 1 && block.decomposition->is_at_border(d, 1));
-          if (is_on_border || block.faces[d].contains(i, j, k))
+          const bool is_beside_fluid = is_on_border && block.cells.contains(inside[0], inside[1], inside[2]);
+          if (is_beside_fluid || block.faces[d].contains(i, j, k))
             velocity[d](i, j, k) = setup.initial_velocity[d].at(centre_of_face(block, d, cell), 0);
         }
   }
@@ -66,7 +68,7 @@ void set_initial_flow(const NavierStokesSetup& setup, const FlowBlock& block, Fl
   border.impose(state.velocity);
   correction.make_solenoidal(state);
 
-  std::fill(state.pressure.data(), state.pressure.data() + state.pressure.n_values(), 0.0);
+  set_zero(block, state.pressure);
   if (is_given(setup.initial_pressure)) {
     set_pressure(setup, block, state.pressure);
   } else {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "flow-server/navier_stokes/flow_domain.hpp"
 #include "flow-server/navier_stokes/flow_failure.hpp"
@@ -22,12 +21,7 @@ constexpr double largest_divergence = 0.05;
 /// A flow with smaller Courant numbers is at rest: what moves is round-off of forces that balance.
 constexpr double courant_at_rest = 1e-8;
 
-std::string text(double value) {
-  std::ostringstream out;
-  out.precision(6);
-  out << value;
-  return out.str();
-}
+using report::text;
 
 double smallest_width_of(const StretchedGrid& grid) {
   double width = std::numeric_limits<double>::infinity();
@@ -124,7 +118,7 @@ void PressureCorrection::take_divergence_of(VectorField& velocity, double factor
 
 /// phi from source, from nothing: equal steps give equal bits.
 SolveReport PressureCorrection::solve(const SolveLimits& limits) {
-  std::fill(phi_.data(), phi_.data() + phi_.n_values(), 0.0);
+  set_zero(block_, phi_);
   const SolveReport solved = solver_->solve(source_, phi_, limits);
   border_.fill_increment_ghosts(phi_);
   return solved;

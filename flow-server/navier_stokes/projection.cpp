@@ -14,7 +14,7 @@ class RowMeasure {
       : block_(block), courant_(n()), speed_(n()), divergence_(n()), squares_(n()) {}
 
   template <bool three>
-  void add(int begin, int end, int j, int k, const std::array<Field<double>, 3>& velocity) {
+  void add(int begin, int end, int j, int k, const VectorField& velocity) {
     const double* __restrict inverse_width = block_.axis[0].inverse_width.from_zero();
     const double* __restrict width = block_.axis[0].width.from_zero();
     const double* u = velocity[0].row(j, k);
@@ -76,7 +76,7 @@ class RowMeasure {
 template <bool three>
 FlowMeasure sweep(const FlowBlock& block, double factor, const Field<double>* phi, double viscous_factor,
                   const Field<double>* source, const Field<double>* pressure, Field<double>* new_pressure,
-                  std::array<Field<double>, 3>* corrected, const std::array<Field<double>, 3>& velocity) {
+                  VectorField* corrected, const VectorField& velocity) {
   RowMeasure rows(block);
   const double* __restrict x_over = block.axis[0].inverse_control_width.from_zero();
   for (int k = three && phi ? -1 : 0; k < block.sizes[2]; ++k) {
@@ -131,8 +131,8 @@ double FlowMeasure::divergence_rms() const {
   return volume > 0 ? std::sqrt(divergence_sum / volume) : 0;
 }
 
-void take_divergence(const FlowBlock& block, const Box& part, double factor,
-                     const std::array<Field<double>, 3>& velocity, Field<double>& source) {
+void take_divergence(const FlowBlock& block, const Box& part, double factor, const VectorField& velocity,
+                     Field<double>& source) {
   const double* __restrict inverse_width = block.axis[0].inverse_width.from_zero();
   const bool three = block.n_dimensions == 3;
   for (int k = part.begin[2]; k < part.end[2]; ++k)
@@ -161,12 +161,12 @@ void take_divergence(const FlowBlock& block, const Box& part, double factor,
 
 FlowMeasure correct(const FlowBlock& block, double factor, const Field<double>& phi, double viscous_factor,
                     const Field<double>& source, const Field<double>& pressure, Field<double>& new_pressure,
-                    std::array<Field<double>, 3>& velocity) {
+                    VectorField& velocity) {
   const auto run = block.n_dimensions == 3 ? sweep<true> : sweep<false>;
   return run(block, factor, &phi, viscous_factor, &source, &pressure, &new_pressure, &velocity, velocity);
 }
 
-FlowMeasure measure(const FlowBlock& block, const std::array<Field<double>, 3>& velocity) {
+FlowMeasure measure(const FlowBlock& block, const VectorField& velocity) {
   const auto run = block.n_dimensions == 3 ? sweep<true> : sweep<false>;
   return run(block, 0, nullptr, 0, nullptr, nullptr, nullptr, nullptr, velocity);
 }

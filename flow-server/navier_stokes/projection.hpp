@@ -19,17 +19,17 @@ struct FlowMeasure {
 };
 
 /// source = factor * div velocity in the cells of `part`; reads the faces at the start of each cell.
-void take_divergence(const FlowBlock& block, const Box& part, double factor,
-                     const std::array<Field<double>, 3>& velocity, Field<double>& source);
+void take_divergence(const FlowBlock& block, const Box& part, double factor, const VectorField& velocity,
+                     Field<double>& source);
 
 /// velocity -= factor * grad phi on all faces of unknown velocity, those at the start of the block included;
 /// new_pressure = pressure + phi - viscous_factor * source. One pass; measures the corrected velocity.
 FlowMeasure correct(const FlowBlock& block, double factor, const Field<double>& phi, double viscous_factor,
                     const Field<double>& source, const Field<double>& pressure, Field<double>& new_pressure,
-                    std::array<Field<double>, 3>& velocity);
+                    VectorField& velocity);
 
 /// The same measures of any velocity; needs the faces at the start of the block.
-FlowMeasure measure(const FlowBlock& block, const std::array<Field<double>, 3>& velocity);
+FlowMeasure measure(const FlowBlock& block, const VectorField& velocity);
 
 /// Collective: the measure of all ranks.
 FlowMeasure reduce(const FlowMeasure& mine, MPI_Comm communicator);

@@ -6,17 +6,17 @@
 
 namespace couplet::flow {
 
-namespace {
-
 /// What one row of div grad needs.
-struct RowOperator {
+struct PressureOperator::RowOperator {
   const double *x_lower, *x_upper, *x_width;
   double y_lower, y_upper, z_lower, z_upper;
-  const float *x_share, *y_share, *z_share;  // of the faces at the end of the cell
-  std::ptrdiff_t share_to_y, share_to_z;
+  const float *x_share = nullptr, *y_share = nullptr, *z_share = nullptr;  // of the faces at the end of the cell
+  std::ptrdiff_t share_to_y = 0, share_to_z = 0;
 };
 
-template <bool has_share, class Number>
+namespace {
+
+template <bool has_share, class RowOperator, class Number>
 inline double applied(const RowOperator& a, const Number* __restrict c, std::ptrdiff_t to_y, std::ptrdiff_t to_z,
                       int i) {
   const double own = c[i];
@@ -98,6 +98,17 @@ std::array<double, 2> PressureOperator::moments(const Field<double>& values) con
 }
 
 template <bool has_share>
+PressureOperator::RowOperator PressureOperator::row_operator(int j, int k) const {
+  RowOperator a{lower_[0].data(), upper_[0].data(), width_[0].data(), lower_[1][j],
+                upper_[1][j],     lower_[2][k],     upper_[2][k]};
+  if constexpr (has_share) {
+    a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
+    a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();
+  }
+  return a;
+}
+
+template <bool has_share>
 double PressureOperator::residual_of(const Field<double>& source, double mean, const Field<double>& phi,
                                      Field<double>* residual) const {
   double squares = 0;
@@ -105,22 +116,7 @@ double PressureOperator::residual_of(const Field<double>& source, double mean, c
   std::vector<double> row(static_cast<std::size_t>(std::max(sizes_[0], 0)));
   for (int k = 0; k < sizes_[2]; ++k)
     for (int j = 0; j < sizes_[1]; ++j) {
-      RowOperator a{lower_[0].data(),
-                    upper_[0].data(),
-                    width_[0].data(),
-                    lower_[1][j],
-                    upper_[1][j],
-                    lower_[2][k],
-                    upper_[2][k],
-                    nullptr,
-                    nullptr,
-                    nullptr,
-                    0,
-                    0};
-      if constexpr (has_share) {
-        a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
-        a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();
-      }
+      const RowOperator a = row_operator<has_share>(j, k);
       const double* __restrict b = source.row(j, k);
       const double* __restrict c = phi.row(j, k);
       double* __restrict r = residual ? residual->row(j, k) : row.data();
@@ -144,22 +140,7 @@ DirectionSums PressureOperator::direction_sums_of(const Field<float>& z, const F
   const std::ptrdiff_t p_to_y = layer_[1] * p.stride_y(), p_to_z = layer_[2] * p.stride_z();
   for (int k = 0; k < sizes_[2]; ++k)
     for (int j = 0; j < sizes_[1]; ++j) {
-      RowOperator a{lower_[0].data(),
-                    upper_[0].data(),
-                    width_[0].data(),
-                    lower_[1][j],
-                    upper_[1][j],
-                    lower_[2][k],
-                    upper_[2][k],
-                    nullptr,
-                    nullptr,
-                    nullptr,
-                    0,
-                    0};
-      if constexpr (has_share) {
-        a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
-        a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();
-      }
+      const RowOperator a = row_operator<has_share>(j, k);
       const float* __restrict zc = z.row(j, k);
       const float* __restrict pc = p.row(j, k);
       const double* __restrict rc = r.row(j, k);
@@ -198,22 +179,7 @@ double PressureOperator::advance_of(const Field<float>& z, double beta, double a
     const int k = front - 1;
     if (k < 0) continue;
     for (int j = 0; j < sizes_[1]; ++j) {
-      RowOperator a{lower_[0].data(),
-                    upper_[0].data(),
-                    width_[0].data(),
-                    lower_[1][j],
-                    upper_[1][j],
-                    lower_[2][k],
-                    upper_[2][k],
-                    nullptr,
-                    nullptr,
-                    nullptr,
-                    0,
-                    0};
-      if constexpr (has_share) {
-        a.x_share = (*share_)[0].row(j, k), a.y_share = (*share_)[1].row(j, k), a.z_share = (*share_)[2].row(j, k);
-        a.share_to_y = layer_[1] * (*share_)[1].stride_y(), a.share_to_z = layer_[2] * (*share_)[2].stride_z();
-      }
+      const RowOperator a = row_operator<has_share>(j, k);
       const float* __restrict pc = p.row(j, k);
       double* __restrict c = phi.row(j, k);
       double* __restrict rc = r.row(j, k);

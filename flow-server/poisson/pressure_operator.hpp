@@ -41,6 +41,9 @@ class PressureOperator {
   void copy(const Field<double>& from, Field<float>& to) const;
 
  private:
+  struct RowOperator;
+  template <bool has_share>
+  RowOperator row_operator(int j, int k) const;
   template <bool has_share>
   double residual_of(const Field<double>& source, double mean, const Field<double>& phi, Field<double>* residual) const;
   template <bool has_share>

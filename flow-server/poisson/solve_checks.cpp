@@ -11,11 +11,7 @@ namespace couplet::flow {
 
 namespace {
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
+using report::text;
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <sstream>
 #include <utility>
 
 namespace couplet::report {
@@ -39,6 +40,12 @@ Failure::Failure(FailureKind kind, std::string where, std::string sentence, std:
       where_(std::move(where)),
       sentence_(std::move(sentence)),
       advice_(std::move(advice)) {}
+
+std::string text(double value) {
+  std::ostringstream out;
+  out << value;
+  return out.str();
+}
 
 int run_program(const std::string& program, const std::function<int(int, char**)>& body, int argc, char** argv) {
   try {

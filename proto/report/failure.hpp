@@ -49,6 +49,9 @@ struct FileError : Failure {
       : Failure(FailureKind::file, std::move(where), std::move(sentence), std::move(advice)) {}
 };
 
+/// A number as sentences show it, with six digits.
+std::string text(double value);
+
 /// Runs a program's body and turns whatever it throws into one last line on standard error and an exit code.
 /// A Failure keeps its kind; any other exception is a bug (70). `program` starts the line.
 int run_program(const std::string& program, const std::function<int(int, char**)>& body, int argc, char** argv);

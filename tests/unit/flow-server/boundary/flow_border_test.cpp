@@ -11,7 +11,7 @@ struct Square {
                       StretchedAxis(uniform_faces(0, 2, 1), false)},
                      2};
   BlockDecomposition blocks{MPI_COMM_SELF, {equal_parts(4, 1, 1), equal_parts(4, 1, 1), equal_parts(1, 1, 1)}, {}};
-  std::array<Field<double>, 3> velocity{Field<double>({4, 4, 1}, {2, 2, 0}), Field<double>({4, 4, 1}, {2, 2, 0}), {}};
+  VectorField velocity{Field<double>({4, 4, 1}, {2, 2, 0}), Field<double>({4, 4, 1}, {2, 2, 0}), {}};
 
   FlowBorder with(const BorderConditions& conditions, bool balances = false) {
     return FlowBorder(grid, blocks, conditions, {}, balances);

@@ -67,7 +67,7 @@ struct PeriodicBox {
         }
     fill(velocity);
   }
-  void fill(std::array<Field<double>, 3>& fields) {
+  void fill(VectorField& fields) {
     std::vector<Field<double>*> all;
     for (int d = 0; d < block.n_dimensions; ++d) all.push_back(&fields[d]);
     exchange.exchange(all, 1);
@@ -94,7 +94,7 @@ struct PeriodicBox {
   FlowBorder border;
   FlowBlock block;
   HaloExchange exchange;
-  std::array<Field<double>, 3> velocity, result;
+  VectorField velocity, result;
   Field<double> pressure;
 };
 
