@@ -56,6 +56,7 @@ void prepare_folder(const store::RunFolder& folder, const RunOptions& options) {
     std::filesystem::remove(left, ignored);
   }
   std::filesystem::remove_all(folder.checkpoints(), ignored);
+  std::filesystem::remove_all(folder.results(), ignored);
 }
 
 RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, RunConsole& console) {

@@ -13,7 +13,11 @@ std::vector<Estimate> ask_for_estimate(const std::string& program, const std::fi
   for (const std::string& setting : settings) command.insert(command.end(), {"--set", setting});
   const ProgramResult result = run_and_catch(command);
   if (result.exit_code != 0) {
-    throw report::SceneError(scene.string(), program + " cannot estimate this scene: " + result.errors);
+    // The last line that the program said, without its name.
+    std::string reason = result.errors.substr(0, result.errors.find_last_not_of(" \n") + 1);
+    reason = reason.substr(reason.rfind('\n') + 1);
+    if (reason.starts_with(program + ": ")) reason = reason.substr(program.size() + 2);
+    throw report::SceneError(scene.string(), reason);
   }
   std::vector<Estimate> estimates;
   const auto numbers = nlohmann::ordered_json::parse(result.output);

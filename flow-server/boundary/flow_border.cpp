@@ -344,9 +344,15 @@ GhostWeights FlowBorder::ghost_weights(const Border& border, int component, Trip
   // Fluid that leaves has no shear there, fluid that enters comes straight.
   const Field<double>& normal = velocity[border.direction];
   cell[border.direction] = border.face;
-  double outward = border.outward * normal(cell[0], cell[1], cell[2]);
-  ++cell[component];
-  outward += border.outward * normal(cell[0], cell[1], cell[2]);
+  double outward = 0;
+  for (const int place : {cell[component], cell[component] + 1}) {
+    // Beyond another border stands a ghost that may not be filled yet; the cell before it tells the same.
+    Triple at = cell;
+    at[component] = place;
+    if (place < 0 && decomposition_.is_at_border(component, 0)) at[component] = 0;
+    if (place >= sizes_[component] && decomposition_.is_at_border(component, 1)) at[component] = sizes_[component] - 1;
+    outward += border.outward * normal(at[0], at[1], at[2]);
+  }
   return outward < 0 ? GhostWeights{} : no_shear;
 }
 

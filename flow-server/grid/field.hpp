@@ -1,6 +1,8 @@
 #pragma once
 // One number a cell (or a face) of a block, with ghost layers.
 
+#include <sys/mman.h>
+
 #include <array>
 #include <cstdlib>
 #include <memory>
@@ -27,9 +29,7 @@ class Field {
     stride_z_ = stride_y_ * (sizes[1] + 2 * ghosts[1]);
     origin_ = ghosts[0] + ghosts[1] * stride_y_ + ghosts[2] * stride_z_;
     n_values_ = n;
-    // calloc: large blocks come as untouched zero pages.
-    values_.reset(static_cast<Number*>(std::calloc(n, sizeof(Number))));
-    if (!values_) throw std::bad_alloc();
+    values_ = new_zeros(n);
   }
 
   const Triple& sizes() const { return sizes_; }
@@ -52,12 +52,35 @@ class Field {
 
  private:
   struct Free {
-    void operator()(Number* values) const { std::free(values); }
+    std::size_t n_mapped = 0;  // [byte]; 0: from the heap
+    void operator()(Number* values) const {
+      if (n_mapped > 0) {
+        munmap(values, n_mapped);
+      } else {
+        std::free(values);
+      }
+    }
   };
+  using Values = std::unique_ptr<Number[], Free>;
+
+  /// Large blocks come as zero pages from the system; the heap would clear, and so touch, what it hands out again.
+  static Values new_zeros(std::size_t n) {
+    constexpr std::size_t large = 1 << 20;
+    const std::size_t n_bytes = n * sizeof(Number);
+    if (n_bytes < large) {
+      Number* const values = static_cast<Number*>(std::calloc(n, sizeof(Number)));
+      if (values == nullptr) throw std::bad_alloc();
+      return Values(values);
+    }
+    void* const pages = mmap(nullptr, n_bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED) throw std::bad_alloc();
+    return Values(static_cast<Number*>(pages), Free{n_bytes});
+  }
+
   Triple sizes_{0, 0, 0}, ghosts_{0, 0, 0};
   std::ptrdiff_t stride_y_ = 0, stride_z_ = 0, origin_ = 0;
   std::size_t n_values_ = 0;
-  std::unique_ptr<Number[], Free> values_;
+  Values values_;
 };
 
 /// One field a direction; in two dimensions the third is empty.

@@ -6,6 +6,12 @@ namespace couplet::flow {
 
 namespace {
 
+/// Counts of numbers fit where counts of bytes would not: a block may be larger than 2 GiB.
+template <class Number>
+MPI_Datatype type_of() {
+  return sizeof(Number) == sizeof(double) ? MPI_DOUBLE : MPI_FLOAT;
+}
+
 constexpr int redistribution_tag = 200;
 
 Box shifted(const Box& box, const Triple& by) {
@@ -55,7 +61,7 @@ void Redistribution::move(const Field<Number>& from, const Triple& from_origin, 
     if (message.rank == rank_) continue;
     message.values.resize(message.n_values() * sizeof(Number));
     requests_.emplace_back();
-    MPI_Irecv(message.values.data(), static_cast<int>(message.values.size()), MPI_BYTE, message.rank,
+    MPI_Irecv(message.values.data(), static_cast<int>(message.n_values()), type_of<Number>(), message.rank,
               redistribution_tag, communicator_, &requests_.back());
   }
   const Message* own = nullptr;
@@ -74,7 +80,7 @@ void Redistribution::move(const Field<Number>& from, const Triple& from_origin, 
       continue;
     }
     requests_.emplace_back();
-    MPI_Isend(message.values.data(), static_cast<int>(message.values.size()), MPI_BYTE, message.rank,
+    MPI_Isend(message.values.data(), static_cast<int>(message.n_values()), type_of<Number>(), message.rank,
               redistribution_tag, communicator_, &requests_.back());
     ++traffic_.messages;
     traffic_.bytes += static_cast<std::int64_t>(message.values.size());

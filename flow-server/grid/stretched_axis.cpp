@@ -11,6 +11,14 @@ namespace {
 
 using report::text;
 
+/// More cells than any machine has memory for in three directions: a slip of a power of ten.
+constexpr double most_cells = 100000;
+
+void refuse_too_many(double n_cells) {
+  if (n_cells <= most_cells) return;
+  throw report::SceneError("axis", "would have more than " + text(most_cells) + " cells", "let cells be wider");
+}
+
 /// Widths that grow from `first` by one ratio, at most `growth`, up to about `last`, and fill `length` exactly.
 std::vector<double> growing_widths(double length, double first, double growth, double last) {
   std::vector<double> widths;
@@ -19,6 +27,7 @@ std::vector<double> growing_widths(double length, double first, double growth, d
        width = std::min(width * growth, last)) {
     widths.push_back(width);
     sum += width;
+    refuse_too_many(static_cast<double>(widths.size()));
   }
   if (widths.empty()) return {length};
   // The rest, less than half a cell more or less, is shared in proportion to the place in the row, so that no
@@ -42,6 +51,7 @@ std::vector<double> bridging_widths(double length, double first, double last, do
     sum += width;
     (takes_left ? left : right).push_back(width);
     (takes_left ? left_width : right_width) = width;
+    refuse_too_many(static_cast<double>(left.size() + right.size()));
   }
   std::vector<double> widths = left;
   widths.insert(widths.end(), right.rbegin(), right.rend());
@@ -117,6 +127,7 @@ std::vector<double> stretched_faces(double start, double end, const std::vector<
                                    text(faces.back()) + " and " + text(end) + " m",
                                "give regions in rising order, inside the axis, without overlap");
     }
+    refuse_too_many((region.end - region.start) / region.width);
     const int n_inside = std::max(1, static_cast<int>(std::ceil((region.end - region.start) / region.width - 1e-9)));
     const double width = (region.end - region.start) / n_inside;
     const double gap = region.start - faces.back();
@@ -134,6 +145,7 @@ std::vector<double> stretched_faces(double start, double end, const std::vector<
   }
   const double rest = end - faces.back();
   if (last_width == 0) {
+    refuse_too_many(rest / largest_width);
     const int n_cells = std::max(1, static_cast<int>(std::ceil(rest / largest_width - 1e-9)));
     return uniform_faces(start, end, n_cells);
   }
@@ -142,6 +154,13 @@ std::vector<double> stretched_faces(double start, double end, const std::vector<
   } else {
     faces.back() = end;
   }
+  // Whole cells must fill what regions leave; where that is little they differ by more than was asked.
+  const double growth = StretchedAxis(faces, false).largest_growth();
+  if (growth > 1 + 3 * (largest_growth - 1))
+    throw report::SceneError("fine regions",
+                             "neighbouring cells would differ by a factor of " + text(growth) +
+                                 ", asked for is at most " + text(largest_growth),
+                             "leave several cells of room beside each region, or move its ends to those of the axis");
   return faces;
 }
 

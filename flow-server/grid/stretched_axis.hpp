@@ -45,8 +45,9 @@ std::vector<double> uniform_faces(double start, double end, int n_cells);
 
 /// Faces from `start` to `end`: uniform cells of the given width (or a little less, so that they fit) in each fine
 /// region; between and beyond the regions cells grow from one to the next by a constant ratio, at most
-/// `largest_growth`, up to `largest_width`. Second order needs such smooth growth. Throws SceneError when regions
-/// overlap, do not rise or leave the axis.
+/// `largest_growth`, up to `largest_width`. Second order needs such smooth growth. As whole cells must
+/// fill each part, neighbours may differ by a little more. Throws SceneError where that is more than three times the
+/// growth, where regions overlap, do not rise or leave the axis, and beyond 100000 cells.
 std::vector<double> stretched_faces(double start, double end, const std::vector<FineRegion>& regions,
                                     double largest_growth, double largest_width);
 

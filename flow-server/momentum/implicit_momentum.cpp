@@ -18,6 +18,7 @@ void ImplicitMomentum::solve(double half_step, double viscosity, const VectorFie
     for (int d = block_.n_dimensions - 1; d >= 0; --d) {
       fill_rows(c, d, half_step, viscosity, carrier);
       add_inner_walls(c, d, half_step, viscosity);
+      hold_openings(c);
       close_rows(c, d, carrier, change[c]);
       lines_[d]->solve(lower_, diagonal_, upper_, change[c]);
     }
@@ -76,6 +77,19 @@ void ImplicitMomentum::add_inner_walls(int c, int d, double half_step, double vi
   for (const InnerWall& wall : block_.inner_walls[c])
     if (wall.direction == d)
       diagonal_(wall.cell[0], wall.cell[1], wall.cell[2]) += half_step * viscosity * wall.coefficient;
+}
+
+/// The faces of an opening at the end of the grid are rows of the block, those at its start are not; both are known.
+void ImplicitMomentum::hold_openings(int c) {
+  if (!border_.is_partly_open(c, 1) || !block_.decomposition->is_at_border(c, 1)) return;
+  Box face = box_of(block_.sizes);
+  face.begin[c] = face.end[c] - 1;
+  for (int k = face.begin[2]; k < face.end[2]; ++k)
+    for (int j = face.begin[1]; j < face.end[1]; ++j)
+      for (int i = face.begin[0]; i < face.end[0]; ++i) {
+        lower_(i, j, k) = upper_(i, j, k) = 0;
+        diagonal_(i, j, k) = 1;
+      }
 }
 
 /// The ends of lines at borders: the known change there goes to the right side, the ghost into the matrix.

@@ -30,6 +30,7 @@ class ImplicitMomentum {
  private:
   void fill_rows(int component, int direction, double half_step, double viscosity, const VectorField& carrier);
   void add_inner_walls(int component, int direction, double half_step, double viscosity);
+  void hold_openings(int component);
   void close_rows(int component, int direction, const VectorField& carrier, Field<double>& change);
 
   const FlowBlock& block_;

@@ -25,13 +25,19 @@ void require_finite(const FlowBlock& block, const VectorField& velocity, double 
   const Triple n_cells = block.grid->n_cells(), origin = block.decomposition->mine().begin;
   const long none = std::numeric_limits<long>::max();
   long first = none;
-  for (int k = block.sizes[2] - 1; k >= 0; --k)
-    for (int j = block.sizes[1] - 1; j >= 0; --j)
-      for (int i = block.sizes[0] - 1; i >= 0; --i)
-        for (int d = 0; d < block.n_dimensions; ++d)
-          if (!std::isfinite(velocity[d](i, j, k)))
-            first = origin[0] + i +
-                    static_cast<long>(n_cells[0]) * (origin[1] + j + static_cast<long>(n_cells[1]) * (origin[2] + k));
+  for (int d = 0; d < block.n_dimensions; ++d) {
+    const Box faces = block.computed_faces(d);
+    for (int k = faces.begin[2]; k < faces.end[2]; ++k)
+      for (int j = faces.begin[1]; j < faces.end[1]; ++j)
+        for (int i = faces.begin[0]; i < faces.end[0]; ++i) {
+          if (std::isfinite(velocity[d](i, j, k))) continue;
+          const Triple cell{std::max(i, 0), std::max(j, 0), std::max(k, 0)};  // beside a face of the border
+          const long number = origin[0] + cell[0] +
+                              static_cast<long>(n_cells[0]) *
+                                  (origin[1] + cell[1] + static_cast<long>(n_cells[1]) * (origin[2] + cell[2]));
+          first = std::min(first, number);
+        }
+  }
   MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_LONG, MPI_MIN, block.decomposition->communicator());
   if (first == none) return;
   const long row = first / n_cells[0];
@@ -41,7 +47,12 @@ void require_finite(const FlowBlock& block, const VectorField& velocity, double 
                               "look for values that are not numbers in borders and forces, or take smaller steps");
 }
 
-void refuse_step(const FlowBlock& block, const FlowState& state, double step, double smallest) {
+void refuse_step(const FlowBlock& block, const FlowState& state, bool is_by_diffusion, double step, double smallest) {
+  if (is_by_diffusion)
+    throw report::NumericsError("time step",
+                                "at t = " + text(state.time) + " s diffusion asks for steps of " + text(step) +
+                                    " s, less than the smallest allowed, " + text(smallest) + " s",
+                                "use Crank-Nicolson, allow smaller steps or make the cells larger");
   struct {
     double rate;
     int rank;

@@ -9,7 +9,9 @@ namespace couplet::flow {
 /// Collective. Throws NumericsError, naming the first cell, where a velocity is not a number.
 void require_finite(const FlowBlock& block, const VectorField& velocity, double time);
 
-/// Collective. Throws NumericsError, naming the cell that asks for the smallest step, and its speed.
-[[noreturn]] void refuse_step(const FlowBlock& block, const FlowState& state, double step, double smallest);
+/// Collective. Throws NumericsError: a step would have to be shorter than the smallest allowed [s], because of
+/// diffusion or of the speed in a cell, which is named.
+[[noreturn]] void refuse_step(const FlowBlock& block, const FlowState& state, bool is_by_diffusion, double step,
+                              double smallest);
 
 }  // namespace couplet::flow

@@ -16,6 +16,7 @@ bool has_other_ranks_beside(const BlockDecomposition& blocks) {
 
 FlowGhosts::FlowGhosts(const FlowBlock& block, FlowBorder& border)
     : block_(block), border_(border), exchange_(*block.decomposition) {
+  for (int d = 0; d < block.n_dimensions; ++d) has_borders_ |= !block.decomposition->is_periodic()[d];
   if (!has_other_ranks_beside(*block.decomposition)) return;
   inner_ = box_of(block.sizes);
   for (int d = 0; d < block.n_dimensions; ++d) ++inner_.begin[d], --inner_.end[d];
@@ -34,6 +35,8 @@ void FlowGhosts::fill(FlowState& state) {
   border_.begin_step(state.velocity);
   border_.fill_velocity_ghosts(state.velocity);
   border_.fill_pressure_ghosts(state.pressure);
+  // Edges between a border and a neighbour: the neighbour has them now. Only what is measured near walls asks for them.
+  if (has_borders_) exchange_.exchange(fields, 1);
 }
 
 std::vector<Field<double>*> FlowGhosts::pointers(VectorField& fields) const {

@@ -36,7 +36,8 @@ class FlowGhosts {
   const FlowBlock& block_;
   FlowBorder& border_;
   HaloExchange exchange_;
-  Box inner_;  // cells whose stencils need no ghosts; empty where no other rank is waited for
+  bool has_borders_ = false;  // of the grid
+  Box inner_;                 // cells whose stencils need no ghosts; empty where no other rank is waited for
 };
 
 template <class Work>

@@ -59,9 +59,17 @@ struct FractionalStep::Parts {
         ghosts(block, border),
         predictor(setup, block, border, ghosts),
         correction(setup, block, border, ghosts),
-        diffusion(diffusion_rate(setup.grid, setup.kinematic_viscosity())) {}
+        diffusion(diffusion_rate(setup.grid, setup.kinematic_viscosity())) {
+    std::int64_t n_cells = block.cells.n_cells();
+    MPI_Allreduce(MPI_IN_PLACE, &n_cells, 1, MPI_INT64_T, MPI_SUM, blocks.communicator());
+    if (n_cells == 0)
+      throw report::SceneError("flow", "no cell holds fluid", "change the formula that says where fluid is");
+  }
 
   void shape(FlowState& state) const;
+  bool is_too_long(double dt, TimeScheme scheme, const StepRates& rates) const {
+    return dt > 1.2 * longest_step(scheme, rates, setup.step);
+  }
   AdvanceReport report(const FlowState& from, double dt, TimeScheme scheme, const FlowState& to,
                        const PressureCorrection::Result& corrected) const;
 
@@ -101,24 +109,32 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   const FlowState* from = &start;
   for (double done = 0; done < duration;) {
     // Planned once; again where the flow has become faster than the plan allows.
-    const StepRates rates{from->courant_rate, parts.diffusion};
-    if (plan.n_steps == 0 ||
-        (duration - done) / plan.n_steps > 1.2 * longest_step(plan.scheme, rates, parts.setup.step))
+    StepRates rates{from->courant_rate, parts.diffusion};
+    if (plan.n_steps == 0 || parts.is_too_long((duration - done) / plan.n_steps, plan.scheme, rates))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
-    const double dt = (duration - done) / plan.n_steps;
-    if (dt < smallest_step) refuse_step(parts.block, *from, dt, smallest_step);
 
     FlowState& to = from == &start ? end : parts.spare;
     parts.shape(to);
     if (from == &end) to.rate = std::move(end.rate);  // no third copy: updated in place
-    parts.predictor.predict(*from, dt, plan.scheme, to);
-    const PressureCorrection::Result corrected = parts.correction.correct_step(*from, dt, to);
-    if (plan.scheme == TimeScheme::crank_nicolson) parts.predictor.remember_acceleration(*from, dt, to);
-    append(all, parts.report(*from, dt, plan.scheme, to, corrected));
+    for (bool is_taken = false; !is_taken;) {
+      const double dt = (duration - done) / plan.n_steps;
+      if (dt < smallest_step) refuse_step(parts.block, *from, rates.diffusion > rates.courant, dt, smallest_step);
+      parts.predictor.predict(*from, dt, plan.scheme, to);
+      const PressureCorrection::Result corrected = parts.correction.correct_step(*from, dt, to);
+      // A flow that speeds up within the step, from rest say, takes it again in shorter ones.
+      rates.courant = std::max(rates.courant, to.courant_rate);
+      is_taken = !parts.is_too_long(dt, plan.scheme, rates);
+      if (!is_taken) {
+        plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
+        if (from == &end) end.rate_kind = RateKind::none;  // its memory was handed on and is spent
+        continue;
+      }
+      if (plan.scheme == TimeScheme::crank_nicolson) parts.predictor.remember_acceleration(*from, dt, to);
+      append(all, parts.report(*from, dt, plan.scheme, to, corrected));
+      done = --plan.n_steps == 0 ? duration : done + dt;
+    }
     if (&to == &parts.spare) std::swap(parts.spare, end);
-
     from = &end;
-    done = --plan.n_steps == 0 ? duration : done + dt;
   }
   return all;
 }

@@ -1,5 +1,7 @@
 #include "flow-server/navier_stokes/navier_stokes_model.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <utility>
 
 #include "flow-server/navier_stokes/navier_stokes_checkpoint.hpp"
+#include "flow-server/poisson/multigrid.hpp"
 #include "proto/report/failure.hpp"
 
 namespace couplet::flow {
@@ -63,15 +66,46 @@ BlockDecomposition decompose(const StretchedGrid& grid, const std::optional<Trip
                                  std::to_string(n_ranks) + " ranks",
                              "start the flow with as many ranks as blocks, or leave decomposition out");
   }
-  std::array<Partition, 3> partitions;
-  for (int d = 0; d < 3; ++d) partitions[d] = balanced_parts(n_cells[d], blocks[d]);
+  std::array<Partition, 3> partitions = suitable_partitions(grid, blocks);
+  for (int d = 0; d < 3; ++d) {
+    // What the multigrid would like is worth no more than a sixteenth of waiting for the largest block.
+    int largest = 0;
+    for (int p = 0; p < blocks[d]; ++p)
+      largest = std::max(largest, partitions[d].start[p + 1] - partitions[d].start[p]);
+    const int equal_share = (n_cells[d] + blocks[d] - 1) / blocks[d];
+    if (16 * largest > 17 * equal_share) partitions[d] = balanced_parts(n_cells[d], blocks[d]);
+  }
   return {ranks, std::move(partitions), grid.is_periodic()};
 }
+
+namespace {
+
+/// Collective. Refuses a box of fluid that this machine could not hold: it would compute for long before it fails. Of a
+/// box with solid parts only what holds fluid takes memory.
+const BlockDecomposition& that_fits(const BlockDecomposition& decomposition, bool has_solid) {
+  constexpr double least_bytes_per_cell = 140;
+  MPI_Comm here;
+  MPI_Comm_split_type(decomposition.communicator(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+  double wanted = has_solid ? 0 : least_bytes_per_cell * static_cast<double>(decomposition.mine().n_cells());
+  MPI_Allreduce(MPI_IN_PLACE, &wanted, 1, MPI_DOUBLE, MPI_SUM, here);
+  MPI_Comm_free(&here);
+  const double there = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+  double excess = wanted / there;
+  MPI_Allreduce(MPI_IN_PLACE, &excess, 1, MPI_DOUBLE, MPI_MAX, decomposition.communicator());
+  if (excess > 1)
+    throw report::SceneError("flow.navier_stokes.grid",
+                             report::text(static_cast<double>(decomposition.all().n_cells())) +
+                                 " cells need at least " + report::text(excess) + " times the memory of this machine",
+                             "use fewer cells, or more hosts");
+  return decomposition;
+}
+
+}  // namespace
 
 NavierStokesModel::NavierStokesModel(NavierStokesOptions options, MPI_Comm ranks)
     : options_(std::move(options)),
       decomposition_(decompose(options_.setup.grid, options_.shape, ranks)),
-      step_(options_.setup, decomposition_),
+      step_(options_.setup, that_fits(decomposition_, options_.setup.is_fluid != nullptr)),
       accepted_(step_.initial_state()),
       no_force_(surface::NodeArray::Zero(0, 3)) {
   no_interface_.node_position = surface::NodeArray::Zero(0, 3);

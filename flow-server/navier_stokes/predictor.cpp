@@ -129,7 +129,7 @@ void Predictor::predict_by_crank_nicolson(const FlowState& from, double dt, Flow
                      to.velocity);
     force_.add_varying(middle, dt, to.velocity);
     border_.add_pressure_change(dt / setup_.density, from.pressure, to.velocity);
-    damp_openings(dt, from, to.velocity);
+    damp_openings(dt, from, extrapolates ? &rate_before(from, to) : nullptr, to.velocity);
     border_.impose(to.velocity);
     combine(to.velocity, -1, from.velocity, to.velocity);
     implicit_->solve(0.5 * dt, setup_.kinematic_viscosity(), carrier, to.velocity);
@@ -138,9 +138,11 @@ void Predictor::predict_by_crank_nicolson(const FlowState& from, double dt, Flow
   to.rate_kind = RateKind::mean_acceleration;
 }
 
-/// Faces of an opening are no part of the lines: they take the explicit change over 1 + dt/2 times a bound of the
-/// eigenvalue of L there, which is stable with any step and first order in time on these faces.
-void Predictor::damp_openings(double dt, const FlowState& from, VectorField& velocity) const {
+/// Faces of an opening are no part of the lines. What their explicit change differs by from that of the step before is
+/// divided by 1 + dt/2 times a bound of the eigenvalue of L there: stable with any step, second order in time once
+/// there is a step before.
+void Predictor::damp_openings(double dt, const FlowState& from, const VectorField* acceleration,
+                              VectorField& velocity) const {
   for (int d = 0; d < block_.n_dimensions; ++d)
     for (int side = 0; side < 2; ++side) {
       if (!border_.is_partly_open(d, side) || !block_.decomposition->is_at_border(d, side)) continue;
@@ -158,9 +160,9 @@ void Predictor::damp_openings(double dt, const FlowState& from, VectorField& vel
               bound += 4 * setup_.kinematic_viscosity() * over * over +
                        (e == d ? 2 * std::abs(from.velocity[d](i, j, k)) * over : 0);
             }
-            const double old = from.velocity[d](i, j, k);
+            const double continued = from.velocity[d](i, j, k) + (acceleration ? dt * (*acceleration)[d](i, j, k) : 0);
             double& fresh = velocity[d](i, j, k);
-            fresh = old + (fresh - old) / (1 + 0.5 * dt * bound);
+            fresh = continued + (fresh - continued) / (1 + 0.5 * dt * bound);
           }
     }
 }

@@ -30,7 +30,7 @@ class Predictor {
   void predict_by_adams_bashforth(const FlowState& from, double dt, FlowState& to);
   void predict_by_runge_kutta(const FlowState& from, double dt, bool keeps_rate, FlowState& to);
   void predict_by_crank_nicolson(const FlowState& from, double dt, FlowState& to);
-  void damp_openings(double dt, const FlowState& from, VectorField& velocity) const;
+  void damp_openings(double dt, const FlowState& from, const VectorField* acceleration, VectorField& velocity) const;
   void combine(const VectorField& a, double factor, const VectorField& b, VectorField& sum) const;
 
   const NavierStokesSetup& setup_;

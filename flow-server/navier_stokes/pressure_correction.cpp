@@ -125,7 +125,10 @@ SolveReport PressureCorrection::solve(const SolveLimits& limits) {
 }
 
 std::size_t PressureCorrection::n_bytes() const {
-  return solver_->n_bytes() + source_.n_bytes() + phi_.n_bytes();
+  std::size_t n = solver_->n_bytes() + source_.n_bytes() + phi_.n_bytes();
+  if (problem_.open_share)
+    for (const Field<float>& share : *problem_.open_share) n += share.n_bytes();
+  return n;
 }
 
 Traffic PressureCorrection::traffic() const {

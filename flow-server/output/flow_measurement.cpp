@@ -164,6 +164,27 @@ PointValue measure(const FlowPart& part, const PointProbe& probe) {
   if (!part.decomposition.has_cells() || !mine.contains(cell)) return value;
 
   constexpr int pressure = -1;
+  // Ghosts exist beyond one border at a time. Beyond an edge or a corner stands what makes the field linear there.
+  const auto value_at = [&](const Field<double>& field, int component, const Triple& at) {
+    Triple inside = at;
+    int n_beyond = 0;
+    for (int d = 0; d < part.grid.n_dimensions; ++d) {
+      const int global = at[d] + mine.begin[d], n = part.grid.axis[d].n_cells();
+      if (d == component || part.grid.axis[d].is_periodic() || (global >= 0 && global < n)) continue;
+      inside[d] = (global < 0 ? 0 : n - 1) - mine.begin[d];
+      ++n_beyond;
+    }
+    if (n_beyond < 2) return field(at[0], at[1], at[2]);
+    const double within = field(inside[0], inside[1], inside[2]);
+    double sum = within;
+    for (int d = 0; d < 3; ++d) {
+      if (inside[d] == at[d]) continue;
+      Triple beyond = inside;
+      beyond[d] = at[d];
+      sum += field(beyond[0], beyond[1], beyond[2]) - within;
+    }
+    return sum;
+  };
   const auto interpolate = [&](const Field<double>& field, int component) {
     std::array<int, 3> lower{0, 0, 0};
     std::array<double, 3> share{0, 0, 0};  // of the upper neighbour
@@ -193,7 +214,7 @@ PointValue measure(const FlowPart& part, const PointProbe& probe) {
         weight *= upper == 1 ? share[d] : 1 - share[d];
         at[d] = lower[d] + upper;
       }
-      if (weight != 0) sum += weight * field(at[0], at[1], at[2]);
+      if (weight != 0) sum += weight * value_at(field, component, at);
     }
     return sum;
   };

@@ -88,6 +88,7 @@ SolveReport MultigridSolver::solve(const Field<double>& source, Field<double>& p
     if (std::isfinite(norm) && since_least < stagnation_iterations) continue;
     refuse_residual(norm, first_norm, report.iterations, enough);
   }
+  if (norm > enough) refuse_iterations(norm, report.iterations, enough);
   if (is_singular_) {
     const auto [sum, squares] = sum_over_ranks(operator_.moments(phi));
     operator_.subtract(rounded_mean(sum / volume_, std::sqrt(squares / volume_)), phi);

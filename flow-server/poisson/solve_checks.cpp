@@ -9,11 +9,7 @@
 
 namespace couplet::flow {
 
-namespace {
-
 using report::text;
-
-}  // namespace
 
 void refuse_unless_finite(double norm) {
   if (std::isfinite(norm)) return;
@@ -27,6 +23,13 @@ void refuse_residual(double residual, double at_start, int iterations, double wa
       "the residual does not fall: " + text(residual) + " after " + std::to_string(iterations) + " iterations, " +
           text(at_start) + " at the start, wanted " + text(wanted),
       "take a smaller time step, or a looser pressure tolerance where the wanted residual is near round-off");
+}
+
+void refuse_iterations(double residual, int iterations, double wanted) {
+  throw report::NumericsError("pressure",
+                              "the residual is " + text(residual) + " after " + std::to_string(iterations) +
+                                  " iterations, wanted " + text(wanted),
+                              "allow more iterations, or a looser pressure tolerance");
 }
 
 double rounded_mean(double mean, double norm) {

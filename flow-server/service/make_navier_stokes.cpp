@@ -45,28 +45,19 @@ StretchedGrid make_grid(const v1::Grid& grid) {
           is_flat ? 2 : 3};
 }
 
-/// A formula that says where and when it is no number. Copies share the translated formula.
-SpaceTimeValue make_value(const std::string& formula, const std::string& path) {
+/// Copies share the translated formula. Where it is no number the flow finds out, on all ranks alike.
+SpaceTimeValue make_value(const std::string& formula) {
   if (formula == "0") return SpaceTimeValue(0);
   const auto expression = std::make_shared<const scene::Expression>(formula);
-  return SpaceTimeValue([expression, path](const Point& at, double t) {
-    const double value = expression->at(at[0], at[1], at[2], t);
-    if (std::isfinite(value)) return value;
-    throw report::SceneError(path,
-                             "is " + scene::number_text(value) + " at x = " + scene::number_text(at[0]) +
-                                 ", y = " + scene::number_text(at[1]) + ", z = " + scene::number_text(at[2]) +
-                                 " m, t = " + scene::number_text(t) + " s",
-                             "write a formula that is a finite number everywhere");
-  });
+  return SpaceTimeValue([expression](const Point& at, double t) { return expression->at(at[0], at[1], at[2], t); });
 }
 
 VectorValue make_vector(const v1::Vector& vector) {
   return {vector.x(), vector.y(), vector.z()};
 }
 
-VectorValue make_vector(const v1::VectorExpression& formulas, const std::string& path) {
-  return {make_value(formulas.x(), path + ".x"), make_value(formulas.y(), path + ".y"),
-          make_value(formulas.z(), path + ".z")};
+VectorValue make_vector(const v1::VectorExpression& formulas) {
+  return {make_value(formulas.x()), make_value(formulas.y()), make_value(formulas.z())};
 }
 
 /// The table times the components of the direction.
@@ -105,7 +96,7 @@ VectorValue make_velocity(const v1::VelocityCondition& condition, const NavierSt
     case v1::VelocityCondition::kInTime:
       return make_vector(condition.in_time());
     case v1::VelocityCondition::kExpression:
-      return make_vector(condition.expression(), path + ".expression");
+      return make_vector(condition.expression());
     case v1::VelocityCondition::kExact:
       return make_exact(condition.exact(), setup, path + ".exact").velocity_value();
     case v1::VelocityCondition::VELOCITY_NOT_SET:
@@ -121,7 +112,7 @@ SpaceTimeValue make_pressure(const v1::PressureCondition& condition, const std::
     case v1::PressureCondition::kInTime:
       return SpaceTimeValue(scene::make_time_table(condition.in_time()));
     case v1::PressureCondition::kExpression:
-      return make_value(condition.expression(), path + ".expression");
+      return make_value(condition.expression());
     case v1::PressureCondition::PRESSURE_NOT_SET:
       break;
   }
@@ -187,14 +178,14 @@ BorderConditions make_borders(const v1::Borders& borders, const NavierStokesSetu
   return conditions;
 }
 
-VectorValue make_body_force(const v1::BodyForce& force, const std::string& path) {
+VectorValue make_body_force(const v1::BodyForce& force) {
   switch (force.force_case()) {
     case v1::BodyForce::kConstant:
       return make_vector(force.constant());
     case v1::BodyForce::kInTime:
       return make_vector(force.in_time());
     case v1::BodyForce::kExpression:
-      return make_vector(force.expression(), path + ".expression");
+      return make_vector(force.expression());
     case v1::BodyForce::FORCE_NOT_SET:
       break;
   }
@@ -231,7 +222,7 @@ NavierStokesSetup make_setup(const v1::Flow& flow) {
                           flow.fluid().density(),
                           flow.fluid().viscosity(),
                           {},
-                          make_body_force(model.body_force(), model_path + ".body_force"),
+                          make_body_force(model.body_force()),
                           make_vector(v1::Vector()),
                           {},
                           {},
@@ -241,16 +232,14 @@ NavierStokesSetup make_setup(const v1::Flow& flow) {
                           model.balances_inflow()};
   setup.border = make_borders(model.border(), setup);
   if (model.initial().has_velocity()) {
-    setup.initial_velocity = make_vector(model.initial().velocity(), model_path + ".initial.velocity");
+    setup.initial_velocity = make_vector(model.initial().velocity());
   } else if (model.initial().has_exact()) {
     const ExactFlow exact = make_exact(model.initial().exact(), setup, model_path + ".initial.exact");
     setup.initial_velocity = exact.velocity_value();
     setup.initial_pressure = exact.pressure_value();
   }
   if (model.has_fluid_where()) {
-    setup.is_fluid = [value = make_value(model.fluid_where(), model_path + ".fluid_where")](const Point& centre) {
-      return value.at(centre, 0) > 0;
-    };
+    setup.is_fluid = [value = make_value(model.fluid_where())](const Point& centre) { return value.at(centre, 0) > 0; };
   }
   if (model.has_courant_number()) setup.step.courant = model.courant_number();
   setup.step.smallest = model.smallest_step();

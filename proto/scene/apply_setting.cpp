@@ -157,6 +157,10 @@ void take(const FieldDescriptor& field, std::optional<int> index, const Message&
 bool put_value(const PathStep& step, const std::string& value, Block block, const std::string& setting,
                ComplaintList& complaints) {
   const FieldDescriptor& field = find_field(step, block, setting);
+  if (value.empty() && is_message(field) && !field.is_repeated()) {  // PATH= takes a block out of the scene
+    block.message->GetReflection()->ClearField(block.message, &field);
+    return true;
+  }
   const std::string text = quoted_where_needed(field, value);
   const bool is_whole_list = field.is_repeated() && !step.index && text.starts_with('[');
   if (!is_whole_list) check_index(field, step, block);

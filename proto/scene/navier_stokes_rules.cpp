@@ -266,7 +266,10 @@ void blocks_have_cells(const v1::NavierStokes& model, const Space& space, Review
   }
 }
 
-void steps_make_sense(const v1::NavierStokes& model, Review& review) {
+void steps_make_sense(const v1::NavierStokes& model, double time_step, Review& review) {
+  if (time_step > 0 && model.smallest_step() > time_step)
+    review.complain(model_path + ".smallest_step", number_text(model.smallest_step()) + " s is above time.step, " +
+                                                       number_text(time_step) + " s; give a smaller one");
   if (!model.has_largest_step() || model.smallest_step() <= model.largest_step()) return;
   review.complain(model_path + ".smallest_step", number_text(model.smallest_step()) + " s is above largest_step, " +
                                                      number_text(model.largest_step()) + " s; give a smaller one");
@@ -367,7 +370,7 @@ void check_navier_stokes_rules(const v1::Scene& scene, Review& review) {
     trial.check(model.body_force().expression(), model_path + ".body_force.expression", {});
   trial.check(model.fluid_where(), model_path + ".fluid_where", {});
   start_makes_sense(model, space, trial, review);
-  steps_make_sense(model, review);
+  steps_make_sense(model, scene.time().step(), review);
   blocks_have_cells(model, space, review);
   columns_differ(model, review);
   planes_and_probes_are_inside(model, space, review);

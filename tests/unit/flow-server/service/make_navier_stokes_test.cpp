@@ -105,17 +105,10 @@ TEST(MakeNavierStokes, FluidIsWhereTheFormulaIsPositive) {
   EXPECT_FALSE(setup.is_fluid({0, 0.4, 0}));
 }
 
-TEST(MakeNavierStokes, AFormulaThatIsNoNumberSaysWhereAndWhen) {
+TEST(MakeNavierStokes, AFormulaThatIsNoNumberIsLeftToTheFlowToRefuse) {
+  // A rank that threw here alone would leave the others waiting.
   const NavierStokesSetup setup = made_from("border { x_start { velocity { expression { x: \"1/y\" } } } }").setup;
-  try {
-    velocity_on(setup, 0, 0, {0, 0, 0}, 0.25);
-    FAIL() << "was not refused";
-  } catch (const report::SceneError& error) {
-    EXPECT_STREQ(
-        error.what(),
-        "flow.navier_stokes.border.x_start.velocity.expression.x: is inf at x = 0, y = 0, z = 0 m, t = 0.25 s; "
-        "write a formula that is a finite number everywhere");
-  }
+  EXPECT_FALSE(std::isfinite(velocity_on(setup, 0, 0, {0, 0, 0}, 0.25)[0]));
 }
 
 TEST(MakeNavierStokes, StoredRegionsHoldTheCellsWithTheirCentreInTheBox) {

@@ -136,7 +136,8 @@ TEST(NavierStokesRules, WantBlocksWithCells) {
 
 TEST(NavierStokesRules, WantStepsInOrder) {
   EXPECT_THAT(complaints_with("smallest_step: 1e-6", "smallest_step: 0.5"),
-              ElementsAre(at(21, 5, "smallest_step", "0.5 s is above largest_step, 0.005 s; give a smaller one")));
+              ElementsAre(at(21, 5, "smallest_step", "0.5 s is above time.step, 0.01 s; give a smaller one"),
+                          at(21, 5, "smallest_step", "0.5 s is above largest_step, 0.005 s; give a smaller one")));
 }
 
 TEST(NavierStokesRules, WantPlanesAndProbesInsideWithTheirOwnNames) {
