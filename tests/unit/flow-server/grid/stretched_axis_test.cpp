@@ -94,6 +94,22 @@ TEST(StretchedFaces, RefuseRegionsThatOverlapOrLeaveTheAxis) {
   EXPECT_THAT(refusal([] { stretched_faces(0, 10, {{8, 11, 0.1}}, 1.1, 1); }), HasSubstr("from 8 to 11 m"));
 }
 
+TEST(StretchedFaces, RefuseWhatWouldNotBeSmooth) {
+  // One wide cell is left between the regions: neighbours differ seven times.
+  EXPECT_THAT(refusal([] {
+                stretched_faces(0, 40, {{0, 10, 0.1}, {11, 40, 1}}, 1.05, 1);
+              }),
+              HasSubstr("neighbouring cells would differ by a factor of"));
+}
+
+TEST(StretchedFaces, RefuseMoreCellsThanAnyMachineHolds) {
+  EXPECT_THAT(refusal([] {
+                stretched_faces(0, 2, {{0, 0.1, 1e-9}}, 1.1, 1);
+              }),
+              HasSubstr("would have more than 100000 cells"));
+  EXPECT_THAT(refusal([] { stretched_faces(0, 2, {}, 1.1, 1e-9); }), HasSubstr("more than 100000 cells"));
+}
+
 TEST(SymmetricallyStretchedFaces, AreAsWideAtTheEndsAsAsked) {
   for (const int n : {40, 41}) {
     const StretchedAxis axis = closed_axis(symmetrically_stretched_faces(-1, 1, n, 20));

@@ -101,6 +101,11 @@ TEST(Setting, SuggestsTheNearestName) {
               ElementsAre("--set time.colour=1: colour is not a field of Time; its fields are end, step"));
 }
 
+TEST(Setting, WithoutAValueTakesABlockOut) {
+  EXPECT_TRUE(scene_with({}).has_coupling());
+  EXPECT_FALSE(scene_with({"coupling="}).has_coupling());
+}
+
 TEST(Setting, SaysWhichMemberHasTheField) {
   EXPECT_THAT(
       complaints_about(good_scene, {"solid.body[0].material.a10=1"}),
