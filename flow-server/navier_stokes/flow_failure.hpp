@@ -1,8 +1,8 @@
 #pragma once
 // How the flow says where it has gone wrong: all ranks throw alike.
 
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/momentum/flow_block.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 
 namespace couplet::flow {
 

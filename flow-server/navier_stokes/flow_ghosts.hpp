@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "flow-server/boundary/flow_border.hpp"
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/grid/halo_exchange.hpp"
 #include "flow-server/momentum/flow_block.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 
 namespace couplet::flow {
 

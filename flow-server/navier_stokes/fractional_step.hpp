@@ -6,7 +6,7 @@
 
 #include "flow-server/grid/active_cells.hpp"
 #include "flow-server/grid/block_decomposition.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/navier_stokes/navier_stokes_setup.hpp"
 
 namespace couplet::flow {

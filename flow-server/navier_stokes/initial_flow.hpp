@@ -1,8 +1,8 @@
 #pragma once
 // The flow at t = 0.
 
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/navier_stokes/flow_ghosts.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 #include "flow-server/navier_stokes/navier_stokes_setup.hpp"
 #include "flow-server/navier_stokes/pressure_correction.hpp"
 

@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "flow-server/grid/block_decomposition.hpp"
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/grid/stretched_grid.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 
 namespace couplet::flow {
 

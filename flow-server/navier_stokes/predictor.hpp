@@ -3,10 +3,10 @@
 
 #include <memory>
 
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/momentum/body_force.hpp"
 #include "flow-server/momentum/implicit_momentum.hpp"
 #include "flow-server/navier_stokes/flow_ghosts.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 #include "flow-server/navier_stokes/navier_stokes_setup.hpp"
 
 namespace couplet::flow {

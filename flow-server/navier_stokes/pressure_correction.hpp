@@ -3,8 +3,8 @@
 
 #include <memory>
 
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/navier_stokes/flow_ghosts.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 #include "flow-server/navier_stokes/navier_stokes_setup.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
 

@@ -7,9 +7,9 @@
 
 #include "flow-server/grid/active_cells.hpp"
 #include "flow-server/grid/block_decomposition.hpp"
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/grid/stretched_grid.hpp"
-#include "flow-server/navier_stokes/exact_flow.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
+#include "flow-server/output/exact_flow.hpp"
 #include "flow-server/output/velocity_gradient.hpp"
 
 namespace couplet::flow {

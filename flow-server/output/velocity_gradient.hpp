@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "flow-server/grid/flow_state.hpp"
 #include "flow-server/grid/stretched_grid.hpp"
-#include "flow-server/navier_stokes/flow_state.hpp"
 
 namespace couplet::flow {
 

@@ -1,4 +1,4 @@
-#include "flow-server/navier_stokes/exact_flow.hpp"
+#include "flow-server/output/exact_flow.hpp"
 
 #include <cmath>
 
