@@ -4,27 +4,11 @@
 #include <utility>
 
 #include "proto/report/failure.hpp"
+#include "proto/store/hdf5_handle.hpp"
 
 namespace couplet::flow {
 
 namespace {
-
-/// Closes an HDF5 object at the end of its scope.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*closer)(hid_t)) : id_(id), closer_(closer) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (id_ >= 0) closer_(id_);
-  }
-  operator hid_t() const { return id_; }
-  bool is_well() const { return id_ >= 0; }
-
- private:
-  hid_t id_;
-  herr_t (*closer_)(hid_t);
-};
 
 /// Before the first use: no messages of its own, no work after MPI has ended.
 void prepare_library() {
@@ -48,9 +32,9 @@ int rank_of(MPI_Comm communicator) {
 }
 
 hid_t make_dataset(hid_t file, const std::string& name, hid_t type, hid_t space) {
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  const store::Hdf5Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links, 1);
-  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const store::Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);  // every entry is written anyhow
   return H5Dcreate2(file, name.c_str(), type, space, links, creation, H5P_DEFAULT);
 }
@@ -74,10 +58,10 @@ std::vector<hsize_t> memory_shape(const ArrayBlock& block) {
   return is_empty(block) ? std::vector<hsize_t>{1} : block.count;
 }
 
-Handle collective_transfer() {
-  Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
+store::Hdf5Handle collective_transfer() {
+  store::Hdf5Handle transfer(H5Pcreate(H5P_DATASET_XFER), H5Pclose);
   H5Pset_dxpl_mpio(transfer, H5FD_MPIO_COLLECTIVE);
-  return Handle(H5Pcopy(transfer), H5Pclose);
+  return store::Hdf5Handle(H5Pcopy(transfer), H5Pclose);
 }
 
 herr_t note_name(hid_t, const char* name, const H5L_info_t*, void* names) {
@@ -89,7 +73,7 @@ herr_t note_name(hid_t, const char* name, const H5L_info_t*, void* names) {
 
 ParallelFile ParallelFile::open(const std::filesystem::path& path, unsigned mode, MPI_Comm communicator) {
   prepare_library();
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  const store::Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_mpio(access, communicator, MPI_INFO_NULL);
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   H5Pset_coll_metadata_write(access, true);
@@ -145,14 +129,15 @@ void ParallelFile::break_off_unless(bool is_well, const std::string& name, const
 
 void ParallelFile::write(const std::string& name, const ArrayBlock& block, const double* values, Precision precision) {
   const int rank = static_cast<int>(block.shape.size());
-  const Handle file_space(H5Screate_simple(rank, block.shape.data(), nullptr), H5Sclose);
+  const store::Hdf5Handle file_space(H5Screate_simple(rank, block.shape.data(), nullptr), H5Sclose);
   const hid_t type = precision == Precision::single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
-  const Handle dataset(make_dataset(file_, name, type, file_space), H5Dclose);
+  const store::Hdf5Handle dataset(make_dataset(file_, name, type, file_space), H5Dclose);
   break_off_unless(dataset.is_well(), name, "cannot be made");
   const std::vector<hsize_t> shape = memory_shape(block);
-  const Handle memory_space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  const store::Hdf5Handle memory_space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                                       H5Sclose);
   select(block, file_space, memory_space);
-  const Handle transfer = collective_transfer();
+  const store::Hdf5Handle transfer = collective_transfer();
   const double nothing = 0;
   const herr_t status =
       H5Dwrite(dataset, H5T_NATIVE_DOUBLE, memory_space, file_space, transfer, is_empty(block) ? &nothing : values);
@@ -161,15 +146,16 @@ void ParallelFile::write(const std::string& name, const ArrayBlock& block, const
 
 void ParallelFile::read(const std::string& name, const ArrayBlock& block, double* values) const {
   agree(contains(name), name, "is missing");
-  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
-  const Handle file_space(H5Dget_space(dataset), H5Sclose);
+  const store::Hdf5Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const store::Hdf5Handle file_space(H5Dget_space(dataset), H5Sclose);
   std::vector<hsize_t> found(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(file_space))));
   H5Sget_simple_extent_dims(file_space, found.data(), nullptr);
   agree(found == block.shape, name, "has another shape than the grid");
   const std::vector<hsize_t> shape = memory_shape(block);
-  const Handle memory_space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
+  const store::Hdf5Handle memory_space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                                       H5Sclose);
   select(block, file_space, memory_space);
-  const Handle transfer = collective_transfer();
+  const store::Hdf5Handle transfer = collective_transfer();
   double nothing = 0;
   const herr_t status =
       H5Dread(dataset, H5T_NATIVE_DOUBLE, memory_space, file_space, transfer, is_empty(block) ? &nothing : values);
@@ -187,7 +173,7 @@ bool ParallelFile::contains(const std::string& name) const {
 std::vector<std::string> ParallelFile::names_in(const std::string& group) const {
   std::vector<std::string> names;
   if (!contains(group)) return names;
-  const Handle opened(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);
+  const store::Hdf5Handle opened(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);
   H5Literate(opened, H5_INDEX_NAME, H5_ITER_INC, nullptr, note_name, &names);
   return names;
 }
@@ -205,8 +191,8 @@ std::vector<double> ParallelFile::read_list(const std::string& name) const {
   agree(contains(name), name, "is missing");
   hsize_t n = 0;
   {
-    const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
-    const Handle space(H5Dget_space(dataset), H5Sclose);
+    const store::Hdf5Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const store::Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
     n = static_cast<hsize_t>(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));
   }
   std::vector<double> values(n);
@@ -215,11 +201,11 @@ std::vector<double> ParallelFile::read_list(const std::string& name) const {
 }
 
 void ParallelFile::write_text(const std::string& name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  const store::Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, std::max<std::size_t>(1, text.size()));
   H5Tset_strpad(type, H5T_STR_NULLPAD);
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-  const Handle dataset(make_dataset(file_, name, type, space), H5Dclose);
+  const store::Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const store::Hdf5Handle dataset(make_dataset(file_, name, type, space), H5Dclose);
   break_off_unless(dataset.is_well(), name, "cannot be made");
   const bool is_writer = rank_of(communicator_) == 0;
   const herr_t status = is_writer ? H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) : 0;
@@ -228,8 +214,8 @@ void ParallelFile::write_text(const std::string& name, const std::string& text) 
 
 std::string ParallelFile::read_text(const std::string& name) const {
   agree(contains(name), name, "is missing");
-  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
-  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const store::Hdf5Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const store::Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
   agree(H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0, name, "is not a text of fixed length");
   std::string text(H5Tget_size(type), '\0');
   agree(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0, name, "cannot be read");

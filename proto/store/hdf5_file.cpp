@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "proto/report/failure.hpp"
+#include "proto/store/hdf5_handle.hpp"
 
 namespace couplet::store {
 
@@ -19,24 +20,6 @@ std::recursive_mutex& hdf5_guard() {
   return guard;
 }
 using Guard = std::lock_guard<std::recursive_mutex>;
-
-/// Closes an HDF5 object at the end of its scope.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*closer)(hid_t)) : id_(id), closer_(closer) {}
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  ~Handle() {
-    if (id_ >= 0) closer_(id_);
-  }
-  operator hid_t() const { return id_; }  // NOLINT: stands for the id in every call
-  /// For objects whose last bytes are written now: false when they were not.
-  bool close() { return closer_(std::exchange(id_, hid_t{-1})) >= 0; }
-
- private:
-  hid_t id_;
-  herr_t (*closer_)(hid_t);
-};
 
 herr_t keep_first(unsigned, const H5E_error2_t* error, void* reason) {
   auto& text = *static_cast<std::string*>(reason);
@@ -67,13 +50,13 @@ void prepare_library() {
   (void)is_prepared;
 }
 
-Handle access_properties() {
-  Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+Hdf5Handle access_properties() {
+  Hdf5Handle properties(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   // A result that somebody looks at must not stop the run that writes it; some file systems know no locks.
   H5Pset_file_locking(properties, false, true);
   // Nothing stays open behind a file that was closed.
   H5Pset_fclose_degree(properties, H5F_CLOSE_STRONG);
-  return Handle(H5Pcopy(properties), H5Pclose);
+  return Hdf5Handle(H5Pcopy(properties), H5Pclose);
 }
 
 [[noreturn]] void refuse_file(const std::filesystem::path& path, const std::string& sentence,
@@ -83,7 +66,7 @@ Handle access_properties() {
 }
 
 std::vector<hsize_t> shape_of(hid_t dataset) {
-  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose);
   std::vector<hsize_t> shape(static_cast<std::size_t>(std::max(0, H5Sget_simple_extent_ndims(space))));
   H5Sget_simple_extent_dims(space, shape.data(), nullptr);
   return shape;
@@ -98,7 +81,7 @@ std::vector<hsize_t> shape_of(const surface::NodeArray& values) {
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
   const Guard guard(hdf5_guard());
   prepare_library();
-  const Handle access = access_properties();
+  const Hdf5Handle access = access_properties();
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
   if (file < 0) refuse_file(path, "cannot make this file", "check the folder and its permissions");
   return Hdf5File(path, file);
@@ -107,7 +90,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
 Hdf5File Hdf5File::open_for_reading(const std::filesystem::path& path) {
   const Guard guard(hdf5_guard());
   prepare_library();
-  const Handle access = access_properties();
+  const Hdf5Handle access = access_properties();
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access);
   if (file < 0) refuse_file(path, "cannot read this as an HDF5 file", "check the path, or make the file again");
   return Hdf5File(path, file);
@@ -116,7 +99,7 @@ Hdf5File Hdf5File::open_for_reading(const std::filesystem::path& path) {
 Hdf5File Hdf5File::open_for_appending(const std::filesystem::path& path) {
   const Guard guard(hdf5_guard());
   prepare_library();
-  const Handle access = access_properties();
+  const Hdf5Handle access = access_properties();
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, access);
   if (file < 0) refuse_file(path, "cannot write to this as an HDF5 file", "check the path and its permissions");
   return Hdf5File(path, file);
@@ -142,12 +125,12 @@ void Hdf5File::break_off(const std::string& name, const std::string& sentence) {
 
 hid_t Hdf5File::make_dataset(const std::string& name, hid_t type, const std::vector<hsize_t>& shape, bool reserved) {
   if (contains(name) && H5Ldelete(file_, name.c_str(), H5P_DEFAULT) < 0) break_off(name, "cannot be replaced");
-  const Handle space(
+  const Hdf5Handle space(
       shape.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
       H5Sclose);
-  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  const Hdf5Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links, 1);
-  const Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   if (reserved) {
     H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY);
     H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
@@ -160,7 +143,7 @@ hid_t Hdf5File::make_dataset(const std::string& name, hid_t type, const std::vec
 void Hdf5File::write_dataset(const std::string& name, hid_t file_type, hid_t memory_type,
                              const std::vector<hsize_t>& shape, const void* values) {
   const Guard guard(hdf5_guard());
-  Handle dataset(make_dataset(name, file_type, shape, false), H5Dclose);
+  Hdf5Handle dataset(make_dataset(name, file_type, shape, false), H5Dclose);
   const bool is_empty = std::find(shape.begin(), shape.end(), hsize_t{0}) != shape.end();
   if (!is_empty && H5Dwrite(dataset, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
     break_off(name, "cannot be written");
@@ -169,13 +152,13 @@ void Hdf5File::write_dataset(const std::string& name, hid_t file_type, hid_t mem
 
 std::int64_t Hdf5File::reserve(const std::string& name, hid_t type, const std::vector<hsize_t>& shape) {
   const Guard guard(hdf5_guard());
-  const Handle dataset(make_dataset(name, type, shape, true), H5Dclose);
+  const Hdf5Handle dataset(make_dataset(name, type, shape, true), H5Dclose);
   return offset_of(name);
 }
 
 std::int64_t Hdf5File::offset_of(const std::string& name) const {
   const Guard guard(hdf5_guard());
-  const Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+  const Hdf5Handle dataset(H5Dopen2(file_, name.c_str(), H5P_DEFAULT), H5Dclose);
   const haddr_t offset = dataset < 0 ? HADDR_UNDEF : H5Dget_offset(dataset);
   if (offset == HADDR_UNDEF) refuse(name, "has no place in the file");
   return static_cast<std::int64_t>(offset);
@@ -219,7 +202,7 @@ void Hdf5File::write_integer(const std::string& name, std::int64_t value) {
 
 void Hdf5File::write_text(const std::string& name, const std::string& text) {
   const Guard guard(hdf5_guard());
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type, std::max<std::size_t>(1, text.size()));
   H5Tset_strpad(type, H5T_STR_NULLPAD);
   H5Tset_cset(type, H5T_CSET_UTF8);
@@ -240,7 +223,7 @@ hid_t Hdf5File::open_dataset(const std::string& name, H5T_class_t expected, cons
   if (!contains(name)) throw report::FileError(path_.string(), "dataset '" + name + "' is missing");
   const hid_t dataset = H5Dopen2(file_, name.c_str(), H5P_DEFAULT);
   if (dataset < 0) refuse(name, "cannot be opened");
-  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
   if (H5Tget_class(type) == expected) return dataset;
   H5Dclose(dataset);
   throw report::FileError(path_.string(), "dataset '" + name + "' does not hold " + what);
@@ -252,7 +235,7 @@ void Hdf5File::read_dataset(const std::string& name, hid_t memory_type, hid_t da
 
 surface::NodeArray Hdf5File::read(const std::string& name) const {
   const Guard guard(hdf5_guard());
-  const Handle dataset(open_dataset(name, H5T_FLOAT, "real numbers"), H5Dclose);
+  const Hdf5Handle dataset(open_dataset(name, H5T_FLOAT, "real numbers"), H5Dclose);
   const auto shape = shape_of(dataset);
   if (shape.empty() || shape.size() > 2)
     throw report::FileError(path_.string(), "dataset '" + name + "' is not an array of rows and columns");
@@ -263,7 +246,7 @@ surface::NodeArray Hdf5File::read(const std::string& name) const {
 
 std::vector<std::int64_t> Hdf5File::read_integers(const std::string& name) const {
   const Guard guard(hdf5_guard());
-  const Handle dataset(open_dataset(name, H5T_INTEGER, "whole numbers"), H5Dclose);
+  const Hdf5Handle dataset(open_dataset(name, H5T_INTEGER, "whole numbers"), H5Dclose);
   hsize_t count = 1;
   for (const hsize_t extent : shape_of(dataset)) count *= extent;
   std::vector<std::int64_t> values(count);
@@ -273,7 +256,7 @@ std::vector<std::int64_t> Hdf5File::read_integers(const std::string& name) const
 
 double Hdf5File::read_number(const std::string& name) const {
   const Guard guard(hdf5_guard());
-  const Handle dataset(open_dataset(name, H5T_FLOAT, "a real number"), H5Dclose);
+  const Hdf5Handle dataset(open_dataset(name, H5T_FLOAT, "a real number"), H5Dclose);
   if (!shape_of(dataset).empty()) throw report::FileError(path_.string(), "dataset '" + name + "' is an array");
   double value = 0;
   read_dataset(name, H5T_NATIVE_DOUBLE, dataset, &value);
@@ -282,7 +265,7 @@ double Hdf5File::read_number(const std::string& name) const {
 
 std::int64_t Hdf5File::read_integer(const std::string& name) const {
   const Guard guard(hdf5_guard());
-  const Handle dataset(open_dataset(name, H5T_INTEGER, "a whole number"), H5Dclose);
+  const Hdf5Handle dataset(open_dataset(name, H5T_INTEGER, "a whole number"), H5Dclose);
   if (!shape_of(dataset).empty()) throw report::FileError(path_.string(), "dataset '" + name + "' is an array");
   std::int64_t value = 0;
   read_dataset(name, H5T_NATIVE_INT64, dataset, &value);
@@ -291,8 +274,8 @@ std::int64_t Hdf5File::read_integer(const std::string& name) const {
 
 std::string Hdf5File::read_text(const std::string& name) const {
   const Guard guard(hdf5_guard());
-  const Handle dataset(open_dataset(name, H5T_STRING, "text"), H5Dclose);
-  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const Hdf5Handle dataset(open_dataset(name, H5T_STRING, "text"), H5Dclose);
+  const Hdf5Handle type(H5Dget_type(dataset), H5Tclose);
   if (H5Tis_variable_str(type) > 0 || !shape_of(dataset).empty())
     throw report::FileError(path_.string(), "dataset '" + name + "' is not one text of fixed length");
   std::string text(H5Tget_size(type), '\0');
