@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "flow-server/navier_stokes/step_limit.hpp"
 #include "proto/report/failure.hpp"
 #include "tests/unit/flow-server/state_from_formula.hpp"
 
@@ -47,20 +48,6 @@ std::vector<double> take_steps(NavierStokesModel& model, int n_steps) {
     for (const FlowQuantity& quantity : model.accept_step()) values.push_back(quantity.value);
   }
   return values;
-}
-
-std::string name_of(TimeScheme scheme) {
-  switch (scheme) {
-    case TimeScheme::adams_bashforth:
-      return "adams_bashforth";
-    case TimeScheme::runge_kutta:
-      return "runge_kutta";
-    case TimeScheme::crank_nicolson:
-      return "crank_nicolson";
-    case TimeScheme::automatic:
-      break;
-  }
-  return "automatic";
 }
 
 class EveryScheme : public testing::TestWithParam<std::tuple<TimeScheme, bool>> {
