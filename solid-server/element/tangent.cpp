@@ -27,7 +27,7 @@ ElementTangent element_tangent(const Material& material, const ElementVectors& p
               for (int a = 0; a < hex20::n_nodes; ++a)
                 for (int i = 0; i < 3; ++i)
                   for (int J = 0; J < 3; ++J) derivative(3 * i + J, 3 * a + i) = point.gradient(a, J);
-              stiffness.noalias() += derivative.transpose() * (law.tangent(F) * point.volume) * derivative;
+              stiffness.noalias() += derivative.transpose() * (as_matrix(law.tangent(F)) * point.volume) * derivative;
             });
   return stiffness;
 }
