@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/support/free_components.hpp"
 
 namespace couplet::solid {
 
-struct BlockProperties;
 class WorkTeam;
 
 /// A = stiffness * K(u) + mass * M: (1, 0) is the static tangent, (1, -omega^2) the one shifted to a frequency.
@@ -24,8 +24,8 @@ struct TangentCost {
 };
 
 /// K(u) = d2(strain energy)/du2 is minus the derivative of the internal force, with geometric stiffness; M is the
-/// consistent mass. Both act on the free components only: held ones are 0 in every result and ignored in every argument.
-/// Vectors are (n_nodes, 4), x, y, z, 0.
+/// consistent mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
+/// them in its argument, while `multiply` and `mass_times` do: so a prescribed motion acts on the free components.
 ///
 /// The order of calls: assemble, any number of add, factorise, any number of solve. A solve uses the factors of the last
 /// factorise, whatever has been assembled since: a Newton iteration may keep old factors, also as a preconditioner for
