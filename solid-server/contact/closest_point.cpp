@@ -17,8 +17,8 @@ constexpr double last_step = 1e-8;
 constexpr double margin = 0.25;
 
 bool is_inside(FaceShape shape, const FaceCoordinates& at) {
-  if (shape == FaceShape::triangle6) return at.xi >= 0 && at.eta >= 0 && at.xi + at.eta <= 1;
-  return std::abs(at.xi) <= 1 && std::abs(at.eta) <= 1;
+  if (shape == FaceShape::triangle6) return at.x() >= 0 && at.y() >= 0 && at.x() + at.y() <= 1;
+  return std::abs(at.x()) <= 1 && std::abs(at.y()) <= 1;
 }
 
 /// How much of a step stays within the margin: 0 to 1.
@@ -28,14 +28,14 @@ double allowed_share(FaceShape shape, const FaceCoordinates& at, const FaceCoord
     if (value + change > limit) share = std::min(share, std::max(0.0, (limit - value) / change));
   };
   if (shape == FaceShape::triangle6) {
-    keep_below(-at.xi, -step.xi, margin / 2);
-    keep_below(-at.eta, -step.eta, margin / 2);
-    keep_below(at.xi + at.eta, step.xi + step.eta, 1 + margin / 2);
+    keep_below(-at.x(), -step.x(), margin / 2);
+    keep_below(-at.y(), -step.y(), margin / 2);
+    keep_below(at.x() + at.y(), step.x() + step.y(), 1 + margin / 2);
   } else {
-    keep_below(at.xi, step.xi, 1 + margin);
-    keep_below(-at.xi, -step.xi, 1 + margin);
-    keep_below(at.eta, step.eta, 1 + margin);
-    keep_below(-at.eta, -step.eta, 1 + margin);
+    keep_below(at.x(), step.x(), 1 + margin);
+    keep_below(-at.x(), -step.x(), 1 + margin);
+    keep_below(at.y(), step.y(), 1 + margin);
+    keep_below(-at.y(), -step.y(), 1 + margin);
   }
   return share;
 }
@@ -60,7 +60,7 @@ FaceCoordinates newton_step(const FacePoint& point, const NodeQuad& r) {
 
 /// True when there is a minimum inside the face; then it is in `found`.
 bool find_inside(const CurvedFace& face, const NodeQuad& x, ClosestPoint& found) {
-  FaceCoordinates at;
+  FaceCoordinates at = {0, 0};
   if (face.shape() == FaceShape::triangle6) at = {1.0 / 3, 1.0 / 3};
   FacePoint point = face.at(at);
   NodeQuad r = x - point.position;
@@ -70,7 +70,7 @@ bool find_inside(const CurvedFace& face, const NodeQuad& x, ClosestPoint& found)
     double share = allowed_share(face.shape(), at, step);
     if (share < 1e-3) return false;  // it stands at the margin and wants to leave
     for (int halving = 0;; ++halving, share /= 2) {
-      const FaceCoordinates next{at.xi + share * step.xi, at.eta + share * step.eta};
+      const FaceCoordinates next{at.x() + share * step.x(), at.y() + share * step.y()};
       const FacePoint next_point = face.at(next);
       const NodeQuad next_r = x - next_point.position;
       const double next_squared = dot(next_r, next_r);
@@ -82,7 +82,7 @@ bool find_inside(const CurvedFace& face, const NodeQuad& x, ClosestPoint& found)
       squared = next_squared;
       break;
     }
-    if (std::max(std::abs(step.xi), std::abs(step.eta)) > last_step) continue;
+    if (std::max(std::abs(step.x()), std::abs(step.y())) > last_step) continue;
     if (!is_inside(face.shape(), at)) return false;
     found = {at, point.position, std::sqrt(squared), -1, -1};
     return true;

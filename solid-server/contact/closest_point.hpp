@@ -6,7 +6,7 @@
 namespace couplet::solid {
 
 struct ClosestPoint {
-  FaceCoordinates at;
+  FaceCoordinates at = {0, 0};
   NodeQuad position{};  // p [m]
   double distance = 0;  // |x - p| [m], never negative
   int edge = -1;        // the edge on which it lies, or -1 inside the face

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <map>
 
+#include "solid-server/element/shape_functions.hpp"
+
 namespace couplet::solid {
 
 namespace {
 
 struct AreaPoint {
-  FaceCoordinates at;
+  FaceCoordinates at = {0, 0};
   double weight;
 };
 
@@ -72,8 +74,10 @@ ContactRegion make_contact_region(const std::vector<FaceNodes>& faces, const std
     for (const AreaPoint& q : area_points(face.shape)) {
       const FacePoint at = curved.at(q.at);
       const NodeQuad normal = cross(at.tangent_xi, at.tangent_eta);
-      region.point.push_back({static_cast<Index>(region.face.size()), face_shape(face.shape, q.at),
-                              q.weight * std::sqrt(dot(normal, normal))});
+      ContactPoint point{static_cast<Index>(region.face.size()), {}, q.weight * std::sqrt(dot(normal, normal))};
+      const auto shape = shape_values(face.shape, q.at);
+      std::copy(shape.begin(), shape.end(), point.shape.begin());
+      region.point.push_back(point);
     }
     region.face.push_back(face);
   }

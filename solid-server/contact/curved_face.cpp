@@ -19,27 +19,6 @@ NodeQuad larger(const NodeQuad& a, const NodeQuad& b) {
 
 }  // namespace
 
-std::array<double, max_face_nodes> face_shape(FaceShape shape, const FaceCoordinates& at) {
-  const auto [r, s] = at;
-  std::array<double, max_face_nodes> N{};
-  if (shape == FaceShape::triangle6) {
-    const double t = 1 - r - s;
-    return {t * (2 * t - 1), r * (2 * r - 1), s * (2 * s - 1), 4 * t * r, 4 * r * s, 4 * s * t, 0, 0};
-  }
-  for (std::size_t a = 0; a < 4; ++a) {
-    const auto [r_a, s_a] = square_corner[a];
-    N[a] = (1 + r * r_a) * (1 + s * s_a) / 4;
-    if (shape == FaceShape::quadrilateral8) N[a] *= r * r_a + s * s_a - 1;
-  }
-  if (shape == FaceShape::quadrilateral8) {
-    N[4] = (1 - r * r) * (1 - s) / 2;
-    N[5] = (1 - s * s) * (1 + r) / 2;
-    N[6] = (1 - r * r) * (1 + s) / 2;
-    N[7] = (1 - s * s) * (1 - r) / 2;
-  }
-  return N;
-}
-
 CurvedFace::CurvedFace(FaceShape shape, const std::array<NodeQuad, max_face_nodes>& node)
     : shape_(shape), node_(node), c_{} {
   const auto& x = node;
@@ -71,7 +50,7 @@ CurvedFace::CurvedFace(FaceShape shape, const std::array<NodeQuad, max_face_node
 }
 
 FacePoint CurvedFace::at(const FaceCoordinates& at) const {
-  const auto [r, s] = at;
+  const double r = at.x(), s = at.y();
   const auto& c = c_;
   FacePoint point;
   point.position = c[0] + r * (c[1] + r * (c[3] + s * c[6])) + s * (c[2] + r * c[4] + s * (c[5] + r * c[7]));

@@ -1,6 +1,7 @@
 #pragma once
 // A deformed face of an element as a polynomial of its two face coordinates.
 
+#include <Eigen/Core>
 #include <array>
 
 #include "solid-server/element/lane_transpose.hpp"
@@ -19,16 +20,11 @@ namespace couplet::solid {
 
 /// Coordinates on a face: quadrilaterals -1 <= xi, eta <= 1; triangles xi, eta >= 0, xi + eta <= 1 with corners at
 /// (0, 0), (1, 0), (0, 1).
-struct FaceCoordinates {
-  double xi = 0, eta = 0;
-};
+using FaceCoordinates = Eigen::Vector2d;
 
 constexpr int n_corners_of(FaceShape shape) {
   return shape == FaceShape::triangle6 ? 3 : 4;
 }
-
-/// N_a(xi, eta) of the nodes of the face; what a shape does not have is 0.
-std::array<double, max_face_nodes> face_shape(FaceShape shape, const FaceCoordinates& at);
 
 /// Position and its derivatives by the face coordinates.
 struct FacePoint {

@@ -7,6 +7,7 @@
 #include "solid-server/contact/closest_point.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/element_packs.hpp"
+#include "solid-server/element/shape_functions.hpp"
 
 namespace couplet::solid {
 
@@ -139,7 +140,7 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
   const double reach = side.search.reach().reach, tolerance = same_distance * reach;
   Touch touch;
   double closest = reach, alignment = 0;
-  FaceCoordinates where;
+  FaceCoordinates where{0, 0};
   for (const Index f : faces) {
     const ContactFace& face = region.face[at(f)];
     const CurvedFace curved = face.curved(x_);
@@ -168,7 +169,10 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
     touch.distance = sign * found.distance;
     touch.direction = found.distance > tolerance ? r * (sign / found.distance) : normal;
   }
-  if (touch.face >= 0) touch.shape = face_shape(region.face[at(touch.face)].shape, where);
+  if (touch.face >= 0) {
+    const auto shape = shape_values(region.face[at(touch.face)].shape, where);
+    std::copy(shape.begin(), shape.end(), touch.shape.begin());
+  }
   return touch;
 }
 

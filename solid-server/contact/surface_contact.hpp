@@ -87,8 +87,8 @@ class SurfaceContact {
   /// Pairs (a < b) of nodes of the mesh that may be coupled by contact as long as n_searches() stays the same, each once.
   std::vector<std::pair<Index, Index>> coupled_nodes(const double* displacement);
 
-  /// For each node of a mesh of n_nodes, a bound on the sum of |d force_a / d x_b| over all b if the whole surfaces
-  /// touched [N/m].
+  /// For each node of a mesh of n_nodes a number b_a [N/m] such that u.K u <= sum of b_a |u_a|^2 for the stiffness K of
+  /// contact, if the whole surfaces touched: b_a / m_a bounds what contact adds to omega_max^2.
   Eigen::VectorXd stiffness_bound(Index n_nodes_of_mesh) const;
 
   long n_searches() const;
