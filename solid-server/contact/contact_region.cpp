@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "solid-server/element/quadrature.hpp"
 #include "solid-server/element/shape_functions.hpp"
 
 namespace couplet::solid {
@@ -20,8 +21,9 @@ struct AreaPoint {
 std::vector<AreaPoint> area_points(FaceShape shape) {
   if (shape == FaceShape::triangle6)
     return {{{1.0 / 6, 1.0 / 6}, 1.0 / 6}, {{2.0 / 3, 1.0 / 6}, 1.0 / 6}, {{1.0 / 6, 2.0 / 3}, 1.0 / 6}};
-  const double g = std::sqrt(1.0 / 3);
-  return {{{-g, -g}, 1}, {{g, -g}, 1}, {{g, g}, 1}, {{-g, g}, 1}};
+  std::vector<AreaPoint> out;
+  for (const auto& q : face_quadrature(shape)) out.push_back({q.xi, q.weight});
+  return out;
 }
 
 void mark_open_edges(std::vector<ContactFace>& faces) {
