@@ -93,9 +93,9 @@ std::vector<Index> elimination_order(const NodePairs& pairs, const std::vector<i
   Cholmod cholmod;
   const auto release = [&](cholmod_sparse* matrix) { cholmod_free_sparse(&matrix, cholmod.get()); };
   const auto not_enough_memory = [&] {
-    return report::NumericsError("solver", "there is not enough memory to order a matrix of " +
-                                               std::to_string(node.size()) + " nodes",
-                                 "coarsen the mesh or use a machine with more memory");
+    return report::NumericsError(
+        "solver", "there is not enough memory to order a matrix of " + std::to_string(node.size()) + " nodes",
+        "coarsen the mesh or use a machine with more memory");
   };
   const std::unique_ptr<cholmod_sparse, decltype(release)> graph(
       cholmod_allocate_sparse(node.size(), node.size(), at(pairs.n_pairs()), 1, 1, -1, CHOLMOD_PATTERN, cholmod.get()),

@@ -76,8 +76,8 @@ Groups make_groups(const Elimination& elimination, const std::vector<Index>& ord
   std::vector<Index> group_of(at(n));
   std::vector<std::vector<Index>> member;
   for (Index j = 0; j < n; ++j) {
-    const bool continues = j > 0 && elimination.parent[at(j - 1)] == j &&
-                           elimination.n_rows[at(j - 1)] == elimination.n_rows[at(j)] + 1;
+    const bool continues =
+        j > 0 && elimination.parent[at(j - 1)] == j && elimination.n_rows[at(j - 1)] == elimination.n_rows[at(j)] + 1;
     if (!continues) member.emplace_back();
     member.back().push_back(j);
     group_of[at(j)] = static_cast<Index>(member.size()) - 1;
@@ -286,8 +286,8 @@ class TreeMaker {
       const FrontTree::Front& front = tree_.front[f];
       operations[f] += front.n_operations;
       all += front.n_operations;
-      first[f] = front.first_child == front.last_child ? static_cast<Index>(f)
-                                                       : first[at(tree_.child[at(front.first_child)])];
+      first[f] =
+          front.first_child == front.last_child ? static_cast<Index>(f) : first[at(tree_.child[at(front.first_child)])];
       if (front.parent >= 0) operations[at(front.parent)] += operations[f];
     }
     std::vector<char> is_in_branch(n, 0);

@@ -43,9 +43,9 @@ struct FrontTree {
   std::vector<Front> front;    // children before parents; the columns of one follow those of the one before
   std::vector<Index> row, child;
   std::vector<Run> run;
-  std::vector<Entry> entry;      // columns rising in each front
-  std::size_t factor_size = 0;   // [doubles]
-  std::size_t update_size = 0;   // of all the rows below columns, each front's padded [doubles]
+  std::vector<Entry> entry;     // columns rising in each front
+  std::size_t factor_size = 0;  // [doubles]
+  std::size_t update_size = 0;  // of all the rows below columns, each front's padded [doubles]
 
   /// Branches that may be worked on at the same time, each a range [first, last) of fronts, the dearest first; the
   /// fronts that are left come after all of them, children before parents.

@@ -173,9 +173,9 @@ void SparseCholesky::take_child(const Crew& crew, Index f, Index child) {
       const Index j = run->from + t, to = run->to + t;
       if (!crew.owns_column(to)) continue;
       const double* source = update_[at(child)].get() + at(j) * at(FrontTree::padded(from.n_rows));
-      double* target = to < front.n_columns ? L + at(to) * leading
-                                            : update_[at(f)].get() + at(to - front.n_columns) * update_leading -
-                                                  at(front.n_columns);
+      double* target = to < front.n_columns
+                           ? L + at(to) * leading
+                           : update_[at(f)].get() + at(to - front.n_columns) * update_leading - at(front.n_columns);
       for (const FrontTree::Run* rows = run; rows != last; ++rows) {
         const Index skipped = rows == run ? t : 0;
         double* __restrict sum = target + at(rows->to + skipped);
@@ -205,8 +205,8 @@ void SparseCholesky::factorise_columns(const Crew& crew, Index f) {
     for (Index j = panel; j < panel_end; j += block_columns) {
       const Index width = std::min<Index>(block_columns, panel_end - j), next = j + width, right = panel_end - next;
       if (crew.member == 0) {
-        const int bad = factorise_block(tile(j, j, width, width), &diagonal_[at(front.first_column + j)], sign + j,
-                                        *crew.inverse);
+        const int bad =
+            factorise_block(tile(j, j, width, width), &diagonal_[at(front.first_column + j)], sign + j, *crew.inverse);
         if (bad >= 0) {
           const Index unknown = front.first_column + j + bad;
           Index known = bad_unknown_;
@@ -316,8 +316,8 @@ void SparseCholesky::solve_backward(Index f, double* unknowns) const {
   const double* L = factor_.get() + front.place;
   const Eigen::OuterStride<> leading(front.leading());
   auto y = b.head(front.n_columns);
-  y.noalias() -= ConstTile(L + front.n_columns, front.n_rows, front.n_columns, leading).transpose() *
-                 b.tail(front.n_rows);
+  y.noalias() -=
+      ConstTile(L + front.n_columns, front.n_rows, front.n_columns, leading).transpose() * b.tail(front.n_rows);
   ConstTile(L, front.n_columns, front.n_columns, leading).transpose().triangularView<Eigen::Upper>().solveInPlace(y);
   x = y;
 }

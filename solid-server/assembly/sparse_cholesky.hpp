@@ -12,10 +12,10 @@ namespace couplet::solid {
 class WorkTeam;
 
 /// A = L S L^T with S = diag(+1, -1): the Cholesky factorisation of a positive definite matrix (S = I), and without
-/// row exchanges also that of an indefinite one, whose negative eigenvalues are as many as there are -1 (Sylvester's law
-/// of inertia). Multifrontal [Duff, Reid 1983; Liu 1992]: dense matrices along the tree of elimination, branches side by
-/// side, then its trunk by all members together. Every sum is formed in an order that does not depend on the number of
-/// members.
+/// row exchanges also that of an indefinite one, whose negative eigenvalues are as many as there are -1 (Sylvester's
+/// law of inertia). Multifrontal [Duff, Reid 1983; Liu 1992]: dense matrices along the tree of elimination, branches
+/// side by side, then its trunk by all members together. Every sum is formed in an order that does not depend on the
+/// number of members.
 class SparseCholesky {
  public:
   /// Finds the order of elimination and the tree. Throws NumericsError when memory is not enough.

@@ -37,8 +37,8 @@ struct TangentSolver::Parts {
   WorkTeam& team;
   TangentMatrix matrix;
   std::unique_ptr<SparseCholesky> factors;
-  std::vector<Contribution> outside;  // added, but not in the pattern yet
-  std::vector<std::pair<Index, Index>> extra;      // pairs of the pattern that no element has
+  std::vector<Contribution> outside;           // added, but not in the pattern yet
+  std::vector<std::pair<Index, Index>> extra;  // pairs of the pattern that no element has
   mutable TangentCost cost;
 
   /// 0 where a component is held.
@@ -51,7 +51,8 @@ struct TangentSolver::Parts {
 TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
                              const FreeComponents& free, WorkTeam& team)
     : parts_(new Parts{free, team, TangentMatrix(mesh, properties, team), nullptr, {}, {}, {}}) {
-  if (!free.any()) throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
+  if (!free.any())
+    throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
   parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free, team);
 }
 

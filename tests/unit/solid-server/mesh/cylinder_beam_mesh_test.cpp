@@ -38,7 +38,9 @@ TEST(CylinderBeamMesh, HasTheAreaOfTheSectionToFourthOrder) {
     CylinderBeamShape shape;
     shape.n_elements = {4, n_y, 1};
     const double error = std::abs(volume_of(make_cylinder_beam_mesh(shape)) / shape.depth - exact);
-    if (last > 0) EXPECT_NEAR(std::log2(last / error), 4, 0.2);  // parabolas through three points of an arc
+    if (last > 0) {
+      EXPECT_NEAR(std::log2(last / error), 4, 0.2);  // parabolas through three points of an arc
+    }
     last = error;
   }
 }
