@@ -92,9 +92,8 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness,
       for (Index first = 0; first < block.elements.n_packs; first += packs_at_once) {
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
-        const Index found =
-            packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)]);
+        const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
+                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)]);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();

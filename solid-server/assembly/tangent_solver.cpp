@@ -37,8 +37,8 @@ struct TangentSolver::Parts {
   WorkTeam& team;
   TangentMatrix matrix;
   std::unique_ptr<SparseCholesky> factors;
-  std::vector<Contribution> outside;  // added, but not in the pattern yet
-  std::vector<std::pair<Index, Index>> extra;      // pairs of the pattern that no element has
+  std::vector<Contribution> outside;           // added, but not in the pattern yet
+  std::vector<std::pair<Index, Index>> extra;  // pairs of the pattern that no element has
   mutable TangentCost cost;
 
   /// 0 where a component is held.
@@ -51,8 +51,9 @@ struct TangentSolver::Parts {
 TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
                              const FreeComponents& free, WorkTeam& team)
     : parts_(new Parts{free, team, TangentMatrix(mesh, properties, team), nullptr, {}, {}, {}}) {
-  if (!free.any()) throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
-  parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free, team);
+  if (!free.any())
+    throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
+  parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free);
 }
 
 TangentSolver::~TangentSolver() = default;
@@ -77,7 +78,7 @@ void TangentSolver::factorise() {
     parts_->extra.erase(std::unique(parts_->extra.begin(), parts_->extra.end()), parts_->extra.end());
     parts_->matrix.set_extra_pairs(parts_->extra);
     parts_->factors.reset();
-    parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), parts_->free, parts_->team);
+    parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), parts_->free);
     for (const auto& [a, b, block] : parts_->outside) parts_->matrix.add_symmetric_part(a, b, block);
     parts_->outside.clear();
   }

@@ -15,7 +15,7 @@ constexpr int points_at_once = 8;
 template <int n_nodes>
 struct PointGroup {
   int n_points = 0;
-  Pack gradient[points_at_once][n_nodes][3];    // dN_a/dX_J [1/m]
+  Pack gradient[points_at_once][n_nodes][3];   // dN_a/dX_J [1/m]
   BasicTangent<Pack> tangent[points_at_once];  // d2W/dF2 dV [J]
   PackMask is_sound = Pack{} == 0.0;
 };

@@ -48,7 +48,7 @@ void check_start(const participant::StepInterval& interval, double accepted_time
 
 participant::Opened SolidParticipant::open(const participant::OpenRequest& request) {
   const Stopwatch watch(seconds_);
-  SolidSetup setup = make_setup(request.scene.solid());
+  SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
   setup.n_threads = worthwhile_threads(options_.threads, setup.mesh.n_elements());
   model_ = std::make_unique<SolidModel>(std::move(setup));
   if (!request.resume_from.empty()) model_->resume(read_checkpoint(request.resume_from, model_->accepted()));
