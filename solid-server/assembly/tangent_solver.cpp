@@ -108,6 +108,10 @@ NodeVectors TangentSolver::mass_times(const NodeVectors& vector) const {
   return parts_->on_free(parts_->matrix.mass_times(vector));
 }
 
+const FreeComponents& TangentSolver::free() const {
+  return parts_->free;
+}
+
 Index TangentSolver::n_free() const {
   return parts_->factors->n_unknowns();
 }

@@ -65,6 +65,7 @@ class TangentSolver {
   NodeVectors multiply(const NodeVectors& vector) const;    // A x
   NodeVectors mass_times(const NodeVectors& vector) const;  // M x
 
+  const FreeComponents& free() const;
   Index n_free() const;  // components
   const TangentCost& cost() const;
   std::size_t memory_bytes() const;  // of matrices, factors and plans
