@@ -145,14 +145,15 @@ void ContactSearch::search(const ContactRegion& points, const ContactRegion& fac
       const Index n = waiting.back();
       waiting.pop_back();
       const Branch& branch = tree_[at(n)];
-      if (distance(position[p], branch.box) > within) continue;
+      if (squared_distance(position[p], branch.box) > within * within) continue;
       if (branch.right > 0) {
         waiting.insert(waiting.end(), {n + 1, branch.right});
         continue;
       }
       for (Index f = branch.first; f < branch.last; ++f) {
         const Index face = order_[at(f)];
-        if (distance(position[p], box_[at(face)]) <= within && !are_neighbours(points, points.point[p], faces, face))
+        if (squared_distance(position[p], box_[at(face)]) <= within * within &&
+            !are_neighbours(points, points.point[p], faces, face))
           found.push_back(face);
       }
     }

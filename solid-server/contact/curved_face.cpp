@@ -41,19 +41,6 @@ CurvedFace::CurvedFace(FaceShape shape, const std::array<NodeQuad, max_face_node
   c_[7] = corner_xi - c_[1];
 }
 
-FacePoint CurvedFace::at(const FaceCoordinates& at) const {
-  const double r = at.x(), s = at.y();
-  const auto& c = c_;
-  FacePoint point;
-  point.position = c[0] + r * (c[1] + r * (c[3] + s * c[6])) + s * (c[2] + r * c[4] + s * (c[5] + r * c[7]));
-  point.tangent_xi = c[1] + (2 * r) * (c[3] + s * c[6]) + s * (c[4] + s * c[7]);
-  point.tangent_eta = c[2] + (2 * s) * (c[5] + r * c[7]) + r * (c[4] + r * c[6]);
-  point.second_xi = 2 * (c[3] + s * c[6]);
-  point.second_mixed = c[4] + (2 * r) * c[6] + (2 * s) * c[7];
-  point.second_eta = 2 * (c[5] + r * c[7]);
-  return point;
-}
-
 NodeQuad CurvedFace::normal(const FaceCoordinates& at) const {
   const FacePoint point = this->at(at);
   const NodeQuad n = cross(point.tangent_xi, point.tangent_eta);

@@ -171,12 +171,19 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
 
   // The face with the nearest box first: then most others are seen to be further away without a look at them.
   const std::vector<Box>& box = box_[side.faces];
-  Index nearest = faces.front();
+  Index nearest = -1;
+  double to_nearest = reach * reach;
   for (const Index f : faces)
-    if (distance(x, box[at(f)]) < distance(x, box[at(nearest)])) nearest = f;
-  if (distance(x, box[at(nearest)]) <= closest) try_face(nearest);
-  for (const Index f : faces)
-    if (f != nearest && distance(x, box[at(f)]) <= closest + tolerance) try_face(f);
+    if (const double to_this = squared_distance(x, box[at(f)]); to_this < to_nearest) {
+      nearest = f;
+      to_nearest = to_this;
+    }
+  if (nearest < 0) return touch;
+  try_face(nearest);
+  for (const Index f : faces) {
+    const double furthest = closest + tolerance;
+    if (f != nearest && squared_distance(x, box[at(f)]) <= furthest * furthest) try_face(f);
+  }
   if (touch.face >= 0) {
     const auto shape = shape_values(region.face[at(touch.face)].shape, where);
     std::copy(shape.begin(), shape.end(), touch.shape.begin());
