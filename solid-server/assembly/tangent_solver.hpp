@@ -1,0 +1,78 @@
+#pragma once
+// The matrix of an implicit step, of a static step and of a modal analysis: assembled, factorised, solved.
+
+#include <memory>
+#include <vector>
+
+#include "solid-server/assembly/block_properties.hpp"
+#include "solid-server/support/free_components.hpp"
+
+namespace couplet::solid {
+
+class WorkTeam;
+
+/// A = stiffness * K(u) + mass * M: (1, 0) is the static tangent, (1, -omega^2) the one shifted to a frequency.
+struct TangentWeights {
+  double stiffness = 1;  // [1]
+  double mass = 0;       // [1/s^2]
+};
+
+/// What the work of a TangentSolver has cost since it was made.
+struct TangentCost {
+  int n_assemblies = 0, n_factorisations = 0, n_solves = 0;
+  double assembly_seconds = 0, factorisation_seconds = 0, solve_seconds = 0;
+};
+
+/// K(u) = d2(strain energy)/du2 is minus the derivative of the internal force, with geometric stiffness; M is the
+/// consistent mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
+/// them in its argument, while `multiply` and `mass_times` do: so a prescribed motion acts on the free components.
+///
+/// The order of calls: assemble, any number of add, factorise, any number of solve. A solve uses the factors of the
+/// last factorise, whatever has been assembled since: a Newton iteration may keep old factors, also as a preconditioner
+/// for `multiply`, which uses the matrix as it is assembled now.
+///
+/// Results do not depend on the number of members of the team, to the last bit.
+class TangentSolver {
+ public:
+  /// The pattern of the matrix and the order of elimination are found here, once. Throws SceneError when no component
+  /// is free, NumericsError when memory is not enough.
+  TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, const FreeComponents& free,
+                WorkTeam& team);
+  ~TangentSolver();
+  TangentSolver(const TangentSolver&) = delete;
+  TangentSolver& operator=(const TangentSolver&) = delete;
+
+  /// Forgets the matrix and what was added. Returns the first element turned inside out (J not above 0, or not a
+  /// number), or -1.
+  Index assemble(const NodeVectors& displacement, TangentWeights weights);
+
+  /// Adds the symmetric part of a contribution C (follower load, contact): call it for every pair of nodes (a, b) whose
+  /// block C_ab = - d f_a / d u_b, times the stiffness weight, is not zero, (a, b) and (b, a) separately;
+  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements; the pattern then grows by
+  /// itself.
+  void add(Index node_a, Index node_b, const Eigen::Matrix3d& block);
+
+  /// L L^T, or L D L^T when the matrix is not positive definite. Throws NumericsError when the matrix has an entry that
+  /// is not a number or is singular, or when memory is not enough.
+  void factorise();
+
+  /// Of the factorised matrix: 0 when it is positive definite; each limit or bifurcation point that a path of
+  /// equilibrium passes changes it by one.
+  int n_negative_pivots() const;
+
+  NodeVectors solve(const NodeVectors& rhs) const;
+
+  NodeVectors multiply(const NodeVectors& vector) const;    // A x
+  NodeVectors mass_times(const NodeVectors& vector) const;  // M x
+
+  const FreeComponents& free() const;
+  Index n_free() const;  // components
+  const TangentCost& cost() const;
+  std::size_t memory_bytes() const;  // of matrices, factors and plans
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace couplet::solid
