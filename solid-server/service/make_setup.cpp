@@ -131,6 +131,15 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
   return setup;
 }
 
+OrificeShape make_orifice_shape(const v1::Orifice& orifice) {
+  return {orifice.name(),
+          {orifice.surface().begin(), orifice.surface().end()},
+          orifice.axis() - v1::Symmetry::X,
+          vector(orifice.centre()),
+          orifice.radius(),
+          orifice.cells()};
+}
+
 int worthwhile_threads(int wanted, Index n_elements) {
   // Below this a barrier and the wake-up of a thread cost more than a further thread saves.
   constexpr Index elements_per_thread = 500;
