@@ -140,10 +140,9 @@ EigenPairs lowest_pairs(const TangentSolver& solver, const FreeVectors& vectors,
   const auto n_found =
       lanczos.compute(Spectra::SortRule::LargestAlge, n_restarts_max, tolerance, Spectra::SortRule::SmallestAlge);
   if (n_found < n_pairs || lanczos.info() != Spectra::CompInfo::Successful)
-    throw report::NumericsError("modes",
-                                "only " + std::to_string(n_found) + " of " + std::to_string(n_pairs) +
-                                    " modes have converged",
-                                "ask for a few modes more or fewer");
+    throw report::NumericsError(
+        "modes", "only " + std::to_string(n_found) + " of " + std::to_string(n_pairs) + " modes have converged",
+        "ask for a few modes more or fewer");
   return {lanczos.eigenvalues(), lanczos.eigenvectors()};
 }
 
@@ -204,8 +203,7 @@ std::vector<Mode> modal_analysis(TangentSolver& solver, const NodeVectors& displ
   }
   std::vector<Mode> modes;
   for (std::size_t n = 0; n < n_wanted; ++n)
-    modes.push_back(
-        make_mode(solver, found[n].first, shift, vectors.at_nodes(known.shape[found[n].second].data())));
+    modes.push_back(make_mode(solver, found[n].first, shift, vectors.at_nodes(known.shape[found[n].second].data())));
   return modes;
 }
 
