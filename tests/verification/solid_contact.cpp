@@ -99,7 +99,7 @@ TEST(ContactPatch, UniformStress) {
        {std::pair(2, 2), std::pair(2, 3), std::pair(3, 2), std::pair(1, 3), std::pair(4, 3)})
     for (const bool is_symmetric : {true, false}) {
       const SolidMesh mesh = stack(n_below, n_above);
-      SurfaceContact contact(mesh, {{"above/z_min", "below/z_max", 10 * 15e3 / 0.5, 0.01, 0.2, is_symmetric}});
+      SurfaceContact contact(mesh, {{"above/z_min", "below/z_max", 10 * 15e3 / 0.5, 0.01, 0.2, true, is_symmetric}});
       const NodeVectors u = press(mesh, rubber, contact, 0.02);
       const StressRange P = stress_range(mesh, rubber, u);
       std::printf("%d on %d, %s: P_zz %.6g to %.6g: %.2e\n", n_above, n_below, is_symmetric ? "symmetric" : "one-sided",

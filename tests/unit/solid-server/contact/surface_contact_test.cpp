@@ -23,7 +23,7 @@ SolidMesh two_plates() {
 }
 
 ContactPair pair_of_plates(bool is_symmetric = true) {
-  return {"above/z_min", "below/z_max", k, d0, 0.1, is_symmetric};
+  return {"above/z_min", "below/z_max", k, d0, 0.1, true, is_symmetric};
 }
 
 bool is_above(const SolidMesh& mesh, Index node) {
@@ -298,7 +298,7 @@ NodeVectors hairpin(const SolidMesh& mesh, double distance) {
 
 TEST(SurfaceContact, SelfContactFindsTheOtherLegAndNotTheNeighbours) {
   const SolidMesh mesh = make_box_mesh({{4, 0.2, 0.1}, {40, 2, 1}});
-  SurfaceContact contact(mesh, {{"z_max", "z_max", k, d0, 0.02, true}});
+  SurfaceContact contact(mesh, {{"z_max", "", k, d0, 0.02}});
   EXPECT_EQ(contact.total(NodeVectors::Zero(mesh.n_nodes(), 4).eval().data()).n_touching, 0);
   NodeVectors shorter = NodeVectors::Zero(mesh.n_nodes(), 4);
   shorter.col(0) = -0.3 * mesh.node_position.col(0);  // neighbours come closer and still do not count
