@@ -88,16 +88,23 @@ double high_eigenvalue(TangentSolver& solver, const NodeVectors& displacement) {
   return vector.cwiseProduct(solver.multiply(vector)).sum() / vector.cwiseProduct(solver.mass_times(vector)).sum();
 }
 
-/// A shift below all eigenvalues, factorised: a small part of the highest ones, more when the body is not stable.
+/// A shift below all eigenvalues, factorised: a small part of the highest ones; more when the body is not stable, or so
+/// soft in some motion that the matrix is nearly singular.
 double factorise_below_all(TangentSolver& solver, const NodeVectors& displacement) {
   constexpr double smallest_part = 1e-10;  // above round-off, below the lowest mode of any body that is not a string
   const double scale = std::abs(high_eigenvalue(solver, displacement));
-  for (double part = smallest_part; part <= 1; part *= 10) {
-    factorise_shifted(solver, displacement, -part * scale);
-    if (solver.n_negative_pivots() == 0) return -part * scale;
+  for (double part = smallest_part;; part *= 10) {
+    const bool is_last = part > 0.1;
+    try {
+      factorise_shifted(solver, displacement, -part * scale);
+      if (solver.n_negative_pivots() == 0) return -part * scale;
+    } catch (const report::NumericsError&) {
+      if (is_last) throw;
+    }
+    if (is_last)
+      throw report::NumericsError("modes", "the stiffness has eigenvalues below " + report::text(-scale) + " 1/s^2",
+                                  "the body is far from stable at the displacement given");
   }
-  throw report::NumericsError("modes", "the stiffness has eigenvalues below " + report::text(-scale) + " 1/s^2",
-                              "the body is far from stable at the displacement given");
 }
 
 struct EigenPairs {
@@ -160,9 +167,10 @@ std::vector<Mode> modal_analysis(TangentSolver& solver, const NodeVectors& displ
     for (int n = 0; n < n_modes; ++n)
       modes.push_back(make_mode(solver, pairs.value[n], shift, vectors.at_nodes(pairs.vector.col(n).data())));
 
-    // A little above the last pair. Equal eigenvalues may end up on both sides of n_pairs: then one more is looked for.
+    // A little above the last pair, yet so far that the matrix is not singular. Nearly equal eigenvalues may end up on
+    // both sides of n_pairs: then more are looked for.
     const double last = pairs.value[n_pairs - 1];
-    factorise_shifted(solver, displacement, last + 1e-6 * (last - shift));
+    factorise_shifted(solver, displacement, last + 1e-4 * (last - shift));
     const int n_below = solver.n_negative_pivots();
     if (n_below == n_pairs) return modes;
     n_pairs = std::min(std::max(n_below, n_modes), static_cast<int>(vectors.size()) - 1);
