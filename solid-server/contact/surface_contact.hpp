@@ -40,6 +40,9 @@ constexpr double cancelling_range = 0.1;
 /// (faces that hang together) closer to a point than 2 d0 at rest, and those that share a node with its face, are its
 /// neighbours and do not count.
 ///
+/// Where a point crosses an edge between faces that are not flush, energy is continuous and the direction of the force
+/// is not.
+///
 /// There is no history: everything is a function of the displacements now, whatever came before and whenever the last
 /// search was.
 ///
@@ -77,9 +80,10 @@ class SurfaceContact {
   /// All forces, by one thread: added to `force`, a NodeVectors array of the mesh [N]. Returns the energy [J].
   double add(const double* displacement, double* force);
 
-  /// One touching point: its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction on node a [N/m].
-  /// Left out are the change of the direction and the sliding of p, of size k A g / (size of a face), which are not
-  /// positive. What is here is positive semidefinite.
+  /// One touching point; Newton's method should search along its line, since the direction of a force jumps where a
+  /// point crosses an edge between two faces. Its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction
+  /// on node a [N/m]. Left out are the change of the direction and the sliding of p, of size k A g / (size of a face),
+  /// which are not positive. What is here is positive semidefinite.
   struct StiffnessTerm {
     int n_nodes = 0;
     std::array<Index, 2 * max_face_nodes> node;     // of the mesh

@@ -41,8 +41,7 @@ FoldModes fold_modes(double medial_thickness, std::array<int, 3> n_elements, boo
 
 void expect_frequencies(const std::vector<Mode>& found, const std::vector<double>& reference, double tolerance) {
   for (std::size_t n = 0; n < reference.size(); ++n)
-    EXPECT_NEAR(found[n].frequency / reference[n], 1, tolerance)
-        << found[n].frequency << " Hz, not " << reference[n];
+    EXPECT_NEAR(found[n].frequency / reference[n], 1, tolerance) << found[n].frequency << " Hz, not " << reference[n];
 }
 
 // The two meshes differ in where nodes stand along the section: at equal counts that is worth a tenth of the distance
@@ -52,8 +51,8 @@ constexpr double other_mesh = 3e-3;
 TEST(VocalFoldModes, AgreeWithAnIndependentCodeForTheThinFold) {
   const FoldModes fold = fold_modes(1.75e-3, {6, 9, 12}, false, MassForm::consistent, 4);
   expect_frequencies(fold.modes, {73.28, 103.58, 120.78, 126.37}, other_mesh);
-  EXPECT_EQ(fold.along_z, (std::vector{Symmetry::symmetric, Symmetry::antisymmetric, Symmetry::antisymmetric,
-                                       Symmetry::symmetric}));
+  EXPECT_EQ(fold.along_z,
+            (std::vector{Symmetry::symmetric, Symmetry::antisymmetric, Symmetry::antisymmetric, Symmetry::symmetric}));
   // Shares of the kinetic energy along x, y, z of another code, given to two digits.
   const double share[4][3] = {{.92, .07, .01}, {.82, .10, .07}, {.05, .07, .88}, {.41, .58, .02}};
   for (std::size_t mode = 0; mode < 4; ++mode)

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/element/element_packs.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
 
@@ -312,6 +313,20 @@ TEST(SurfaceContact, SelfContactFindsTheOtherLegAndNotTheNeighbours) {
   EXPECT_NEAR(total.force, k * 0.01 * leg_area, 0.1 * k * 0.01 * leg_area);  // one element of 40 is the bend
   const NodeVectors force = force_at(contact, closed);
   EXPECT_LT(force.colwise().sum().norm(), 1e-13 * force.cwiseAbs().sum());
+}
+
+TEST(PenaltyStiffness, IsThatOfTheSofterElementBehindTheSurfaces) {
+  const SolidMesh mesh = two_plates();
+  const NeoHookean stiff{2e4, 1e6}, soft{1e3, 5e4};
+  const auto modulus = [](const NeoHookean& law) { return law.bulk_modulus_at_rest() + 4.0 / 3 * law.shear_modulus(); };
+  ContactPair pair = pair_of_plates();
+  pair.stiffness = pair.largest_depth = 0;
+  pair = complete(pair, mesh, {{stiff, 1000}, {soft, 1000}}, 0);
+  EXPECT_NEAR(pair.stiffness, modulus(soft) / 0.3, 1e-9 * pair.stiffness);  // one element through the thickness
+  EXPECT_NEAR(pair.largest_depth, 0.15, 1e-12);
+  const ContactPair given = complete(pair_of_plates(), mesh, {{stiff, 1000}, {soft, 1000}}, 0);
+  EXPECT_EQ(given.stiffness, k);
+  EXPECT_EQ(given.largest_depth, 0.1);
 }
 
 TEST(SurfaceContact, RefusesWhatCannotBe) {
