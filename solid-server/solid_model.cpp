@@ -13,13 +13,14 @@ namespace {
 
 double smallest_edge(const SolidMesh& mesh) {
   double smallest = std::numeric_limits<double>::max();
-  for (const auto& nodes : mesh.element_node)
-    for (const auto& face : hex20::face_node)
-      for (std::size_t c = 0; c < 4; ++c) {
-        const auto corner = [&](std::size_t n) {
-          return mesh.node_position.row(nodes[static_cast<std::size_t>(face[n % 4])]);
+  for (const ElementBlock& block : mesh.block)
+    for (Index element = 0; element < block.n_elements(); ++element)
+      for (const auto& [a, b] : topology(block.shape).edge) {
+        if (a < 0) continue;
+        const auto corner = [&](int c) {
+          return mesh.node_position.row(block.nodes_of(element)[static_cast<std::size_t>(c)]);
         };
-        smallest = std::min(smallest, (corner(c + 1) - corner(c)).norm());
+        smallest = std::min(smallest, (corner(b) - corner(a)).norm());
       }
   return smallest;
 }
@@ -38,6 +39,24 @@ double kinetic_energy(const Eigen::VectorXd& mass, const NodeVectors& velocity) 
   double sum = 0;
   for (Eigen::Index n = 0; n < mass.size(); ++n) sum += mass[n] * velocity.row(n).squaredNorm();
   return sum / 2;
+}
+
+std::vector<double> densities(const std::vector<BlockProperties>& properties) {
+  std::vector<double> density;
+  for (const BlockProperties& block : properties) density.push_back(block.density);
+  return density;
+}
+
+PrescribedLoads prescribed_loads(const SolidSetup& setup, const Eigen::VectorXd& mass) {
+  PrescribedLoads loads{setup.pressures, {}};
+  for (std::size_t l = 0; l < setup.tractions.size(); ++l)
+    loads.dead.push_back(
+        make_dead_load(setup.mesh, setup.tractions[l], "solid.traction[" + std::to_string(l) + "].surface"));
+  for (std::size_t l = 0; l < setup.node_forces.size(); ++l)
+    loads.dead.push_back(
+        make_dead_load(setup.mesh, setup.node_forces[l], "solid.node_force[" + std::to_string(l) + "].nodes"));
+  if (setup.gravity) loads.dead.push_back(make_body_force(mass, setup.gravity));
+  return loads;
 }
 
 Motion at_rest(Index n_nodes, std::size_t n_wetted) {
@@ -67,10 +86,10 @@ struct SolidModel::Parts {
   explicit Parts(SolidSetup s)
       : setup(std::move(s)),
         wetted(make_wetted_surface(setup.mesh, setup.wetted)),
-        mass(lumped_mass(setup.mesh, setup.density)),
+        mass(lumped_mass(setup.mesh, densities(setup.properties))),
         inverse_mass(solid::inverse_mass(setup.mesh, mass, setup.supports)),
-        force(setup.mesh, setup.material, setup.points_per_element, wetted, setup.pressures, setup.planes,
-              setup.n_threads),
+        force(setup.mesh, setup.properties,
+              ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes), setup.n_threads),
         team(setup.n_threads),
         integrator(force, inverse_mass, setup.damping, kick_velocities(setup.mesh, setup.kicks), team),
         smallest_length(smallest_edge(setup.mesh)),
@@ -95,13 +114,8 @@ struct SolidModel::Parts {
 
   [[noreturn]] void refuse_inverted(double start, double end) const {
     const Index element = force.inverted_element();
-    Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
-    for (const Index node : setup.mesh.element_node[static_cast<std::size_t>(element)])
-      middle += setup.mesh.node_position.row(node) / hex20::n_nodes;
     throw report::NumericsError("solid, t = " + std::to_string(start) + " to " + std::to_string(end) + " s",
-                                "element " + std::to_string(element) + ", at rest around (" +
-                                    std::to_string(middle.x()) + ", " + std::to_string(middle.y()) + ", " +
-                                    std::to_string(middle.z()) + ") m, is turned inside out",
+                                setup.mesh.describe_element(element) + " at rest is turned inside out",
                                 "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
                                 "resists strong compression better "
                                 "than saint_venant_kirchhoff");

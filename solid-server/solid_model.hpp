@@ -3,10 +3,11 @@
 
 #include <memory>
 
+#include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
 #include "solid-server/dynamics/motion.hpp"
+#include "solid-server/load/dead_load.hpp"
 #include "solid-server/load/surface_pressure.hpp"
-#include "solid-server/material/material.hpp"
 #include "solid-server/mesh/wetted_surface.hpp"
 #include "solid-server/support/supports.hpp"
 
@@ -24,17 +25,18 @@ struct StepControl {
   int estimate_every = 1000;   // accepted steps between two estimates
 };
 
-/// A body and everything that acts on it. SI units.
+/// Bodies and everything that acts on them. SI units.
 struct SolidSetup {
-  SolidMesh mesh;
-  Material material;
-  double density = 0;  // at rest [kg/m^3]
-  int points_per_element = 8;
+  SolidMesh mesh;                           // of all bodies
+  std::vector<BlockProperties> properties;  // of each block of the mesh
   Supports supports;
   std::vector<std::string> wetted;  // surfaces that touch the flow
   Damping damping;
   std::vector<Kick> kicks;
   std::vector<PressureLoad> pressures;
+  std::vector<Traction> tractions;
+  std::vector<NodeForce> node_forces;
+  VectorOverTime gravity;  // acceleration [m/s^2]; empty: none
   std::vector<RigidPlane> planes;
   StepControl step;
   int n_threads = 1;

@@ -15,13 +15,13 @@ namespace couplet::solid {
 /// places of chunks whose nodes have all been visited are used again. Nodes between two members' elements are visited
 /// at the end, when all members have arrived.
 ///
-/// A node adds up its parts in an order that does not depend on the number of members: elements rising, then the parts
-/// of faces and loads as they were given.
+/// A node adds up its parts in an order that does not depend on the number of members: blocks and elements rising, then
+/// the parts of faces and loads as they were given.
 struct SweepPlan {
   struct Chunk {
-    Index first_pack, last_pack;
-    Index place;                    // of its forces in the buffer, in packs
-    Index first_visit, last_visit;  // the nodes to visit after it
+    Index block = 0, first_pack = 0, last_pack = 0;
+    Index place = 0;                        // of its forces in the buffer, in packs
+    Index first_visit = 0, last_visit = 0;  // the nodes to visit after it
   };
   std::vector<Chunk> chunks;
   std::vector<Index> first_chunk;         // of each member, (n_members + 1)
@@ -41,8 +41,8 @@ struct SweepPlan {
   }
 };
 
-/// `surface_parts` start after the places of the elements: their `start` is counted from there.
-SweepPlan make_sweep_plan(const ElementPacks& packs, Index n_nodes, const std::vector<ForcePart>& surface_parts,
-                          int n_members);
+/// `external_parts` start after the places of the elements: their `start` is counted from there.
+SweepPlan make_sweep_plan(const std::vector<const ElementPacks*>& blocks, Index n_nodes,
+                          const std::vector<ForcePart>& external_parts, int n_members);
 
 }  // namespace couplet::solid

@@ -10,7 +10,7 @@ namespace couplet::solid {
 
 namespace {
 
-constexpr int n_nodes = hex20::n_face_nodes;
+constexpr int n_nodes = 8, n_face_points = PlaneContact::n_face_points;
 
 [[gnu::always_inline]] inline Pack positive_part(const Pack& value) {
   return value > 0.0 ? value : Pack{};
@@ -77,7 +77,7 @@ void PlaneContact::force(Index first, Index last, const double* displacement, St
       const Pack push = pressure * load(area_[static_cast<std::size_t>(p * n_face_points + q)]);
       for (int a = 0; a < n_nodes; ++a) f[a] -= push * faces_.shape[q][a];
     }
-    StoredPack* out = force + static_cast<std::size_t>(p) * packs_per_face_pack;
+    StoredPack* out = force + static_cast<std::size_t>(p) * faces_.packs_of_force();
     for (int a = 0; a < n_nodes; ++a) store_nodes(Pack{}, f[a], Pack{}, out + 4 * a);
     was_touching[p] = is_touching;
   }

@@ -15,8 +15,11 @@ struct RigidPlane {
 ///   Pi = sum over points of k/2 depth^2 dA,  f_a = - k depth N_a dA along y,  depth = max(0, y - plane).
 class PlaneContact {
  public:
+  static constexpr int n_face_points = 9;
+
   PlaneContact(const SolidMesh& mesh, const std::vector<FaceNodes>& faces, std::vector<RigidPlane> planes);
 
+  const FacePacks& faces() const { return faces_; }
   Index n_packs() const { return faces_.n_packs; }
   bool is_empty() const { return planes_.empty() || faces_.n_faces == 0; }
 

@@ -38,9 +38,9 @@ void CentralDifference::advance(const Motion& from, double duration, int n_subst
                                 const surface::NodeArray& interface_force, Motion& to) {
   plan(from, duration, n_substeps, to);
   force_.forget_inverted();
-  force_.surface().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
-                                      interface_force);
-  if (!from.has_interface_force) to.force = from.force + force_.surface().interface_load_at_start();
+  force_.external().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
+                                       interface_force);
+  if (!from.has_interface_force) to.force = from.force + force_.external().interface_load_at_start();
   const double* first_force = (from.has_interface_force ? from.force : to.force).data();
 
   team_.run([&](int member) {
@@ -127,7 +127,7 @@ inline void CentralDifference::note_strained(Eigen::Index node, const NodeQuad& 
 template <class Visit>
 bool CentralDifference::visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit) {
   team_.barrier();
-  force_.write_surface_parts(member, displacement, moment);
+  force_.write_external_parts(member, displacement, moment);
   team_.barrier();
   force_.sweep(member, strained_at(displacement), moment, visit);
   team_.barrier();

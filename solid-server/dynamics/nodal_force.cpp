@@ -5,23 +5,33 @@
 
 namespace couplet::solid {
 
-NodalForce::NodalForce(const SolidMesh& mesh, const Material& material, int n_points, const WettedSurface& wetted,
-                       const std::vector<PressureLoad>& pressures, const std::vector<RigidPlane>& planes, int n_members)
-    : n_nodes_(mesh.n_nodes()),
-      n_members_(n_members),
-      material_(material),
-      elements_(make_element_packs(mesh, n_points)),
-      surface_(mesh, wetted, pressures, planes),
-      plan_(make_sweep_plan(elements_, n_nodes_, surface_.parts(), n_members)),
-      buffer_(plan_.n_element_packs + surface_.n_packs(), StoredPack{}),
-      energy_(static_cast<std::size_t>(elements_.n_packs), StoredPack{}) {}
+NodalForce::NodalForce(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, ExternalForce external,
+                       int n_members)
+    : n_nodes_(mesh.n_nodes()), n_members_(n_members), external_(std::move(external)) {
+  for (std::size_t b = 0; b < mesh.block.size(); ++b) {
+    const BlockProperties& property = properties[b];
+    Block& block = blocks_.emplace_back();
+    block.material = property.material;
+    block.elements = make_element_packs(mesh, mesh.block[b], property.n_points, property.formulation);
+    block.energy.assign(static_cast<std::size_t>(block.elements.n_packs), StoredPack{});
+  }
+  plan_ = make_sweep_plan(element_packs(), n_nodes_, external_.parts(), n_members);
+  buffer_.assign(plan_.n_element_packs + external_.n_packs(), StoredPack{});
+}
+
+std::vector<const ElementPacks*> NodalForce::element_packs() const {
+  std::vector<const ElementPacks*> packs;
+  for (const Block& block : blocks_) packs.push_back(&block.elements);
+  return packs;
+}
 
 void NodalForce::compute(int member, const SweepPlan::Chunk& chunk, const double* displacement, const Moment& moment) {
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
-  note_inverted(internal_force(elements_, material_, chunk.first_pack, chunk.last_pack, displacement,
+  Block& block = blocks_[static_cast<std::size_t>(chunk.block)];
+  note_inverted(internal_force(block.elements, block.material, chunk.first_pack, chunk.last_pack, displacement,
                                &buffer_[static_cast<std::size_t>(chunk.place)],
-                               moment.with_energy ? energy_.data() : nullptr));
+                               moment.with_energy ? block.energy.data() : nullptr));
   if (member == 0) element_seconds_ += std::chrono::duration<double>(Clock::now() - began).count();
 }
 
@@ -42,27 +52,32 @@ NodeVectors NodalForce::collect(const NodeVectors& displacement, const Moment& m
 NodeVectors NodalForce::internal_only(const NodeVectors& displacement) {
   const std::vector<StoredPack> kept(buffer_.begin() + static_cast<std::ptrdiff_t>(plan_.n_element_packs),
                                      buffer_.end());
-  std::fill_n(surface_buffer(), surface_.n_packs(), StoredPack{});
+  std::fill_n(external_buffer(), external_.n_packs(), StoredPack{});
   NodeVectors force = collect(displacement, {});
-  std::copy(kept.begin(), kept.end(), surface_buffer());
+  std::copy(kept.begin(), kept.end(), external_buffer());
   return force;
 }
 
 NodeVectors NodalForce::all(const NodeVectors& displacement, const Moment& moment) {
-  for (int member = 0; member < n_members_; ++member) write_surface_parts(member, displacement.data(), moment);
+  for (int member = 0; member < n_members_; ++member) write_external_parts(member, displacement.data(), moment);
   return collect(displacement, moment);
 }
 
 double NodalForce::strain_energy() const {
   double sum = 0;
-  for (std::size_t n = 0; n < elements_.lane_element.size(); ++n)
-    if (elements_.lane_element[n] >= 0) sum += energy_[n / n_lanes].lane[n % n_lanes];
+  for (const Block& block : blocks_)
+    for (std::size_t n = 0; n < block.elements.lane_element.size(); ++n)
+      if (block.elements.lane_element[n] >= 0) sum += block.energy[n / n_lanes].lane[n % n_lanes];
   return sum;
 }
 
 std::size_t NodalForce::memory_bytes() const {
-  return (elements_.geometry.size() + buffer_.size() + energy_.size()) * sizeof(StoredPack) +
-         (elements_.node_start.size() + plan_.part_start.size()) * sizeof(Index);
+  std::size_t n_packs = buffer_.size(), n_indices = plan_.part_start.size();
+  for (const Block& block : blocks_) {
+    n_packs += block.elements.geometry.size() + block.elements.axes.size() + block.energy.size();
+    n_indices += block.elements.node_start.size();
+  }
+  return n_packs * sizeof(StoredPack) + n_indices * sizeof(Index);
 }
 
 }  // namespace couplet::solid

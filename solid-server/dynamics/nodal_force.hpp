@@ -1,11 +1,12 @@
 #pragma once
-// All forces on the nodes of a body at given displacements and time: internal, interface load, prescribed pressures,
+// All forces on the nodes of a body at given displacements and time: internal, interface load, prescribed loads,
 // contact.
 
 #include <atomic>
 
+#include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/assembly/sweep_plan.hpp"
-#include "solid-server/dynamics/surface_force.hpp"
+#include "solid-server/dynamics/external_force.hpp"
 #include "solid-server/element/internal_force.hpp"
 
 namespace couplet::solid {
@@ -17,16 +18,17 @@ struct Moment {
   bool with_energy = false;  // strain energy is kept, and every law looks for inverted elements
 };
 
-/// Evaluated by a team in three phases with a barrier after each: write_surface_parts, sweep, visit_shared. The last
+/// Evaluated by a team in three phases with a barrier after each: write_external_parts, sweep, visit_shared. The last
 /// two call visit(node, force) exactly once for each node; from then on nobody reads its displacement, so that it may
 /// be changed there.
 class NodalForce {
  public:
-  NodalForce(const SolidMesh& mesh, const Material& material, int n_points, const WettedSurface& wetted,
-             const std::vector<PressureLoad>& pressures, const std::vector<RigidPlane>& planes, int n_members);
+  /// `properties` of each block of the mesh.
+  NodalForce(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, ExternalForce external,
+             int n_members);
 
-  void write_surface_parts(int member, const double* displacement, const Moment& moment) {
-    surface_.write(member, n_members_, displacement, moment.time, moment.fraction, surface_buffer());
+  void write_external_parts(int member, const double* displacement, const Moment& moment) {
+    external_.write(member, n_members_, displacement, moment.time, moment.fraction, external_buffer());
   }
 
   /// An inverted element that is found is kept (inverted_element).
@@ -57,29 +59,34 @@ class NodalForce {
 
   double strain_energy() const;                                // at the last moment with energy [J]
   double element_seconds() const { return element_seconds_; }  // that the first member has spent in internal_force [s]
-  SurfaceForce& surface() { return surface_; }
-  const PlaneContact& contact() const { return surface_.contact(); }
+  ExternalForce& external() { return external_; }
+  const PlaneContact& contact() const { return external_.contact(); }
   std::size_t memory_bytes() const;
 
  private:
+  struct Block {
+    Material material;
+    ElementPacks elements;
+    std::vector<StoredPack> energy;  // of each element [J], (n_packs)
+  };
+
   template <class Visit>
   void visit_nodes(Index first, Index last, const Visit& visit) const {
     for (Index n = first; n < last; ++n)
       visit(plan_.visit_node[static_cast<std::size_t>(n)], plan_.sum(n, &buffer_.data()->lane[0]));
   }
-  StoredPack* surface_buffer() { return buffer_.data() + plan_.n_element_packs; }
+  StoredPack* external_buffer() { return buffer_.data() + plan_.n_element_packs; }
   void compute(int member, const SweepPlan::Chunk& chunk, const double* displacement, const Moment& moment);
+  std::vector<const ElementPacks*> element_packs() const;
   NodeVectors collect(const NodeVectors& displacement, const Moment& moment);
   void note_inverted(Index element);
 
   Index n_nodes_;
   int n_members_;
-  Material material_;
-  ElementPacks elements_;
-  SurfaceForce surface_;
+  std::vector<Block> blocks_;
+  ExternalForce external_;
   SweepPlan plan_;
-  std::vector<StoredPack> buffer_;  // parts of forces [N]: of elements, then of the surface
-  std::vector<StoredPack> energy_;  // of each element [J], (n element packs)
+  std::vector<StoredPack> buffer_;  // parts of forces [N]: of elements, then external ones
   std::atomic<Index> inverted_element_{-1};
   double element_seconds_ = 0;
 };

@@ -2,12 +2,10 @@
 
 #include <Eigen/LU>
 
-#include "solid-server/element/hex20.hpp"
-
 namespace couplet::solid {
 
-ReferencePoint reference_point(const ElementVectors& position, const QuadraturePoint& point) {
-  const auto natural = hex20::shape_gradient(point.xi);
+ReferencePoint reference_point(ElementShape shape, const ElementVectors& position, const QuadraturePoint& point) {
+  const auto natural = shape_gradient(shape, point.xi);
   const Eigen::Matrix3d jacobian = position.transpose() * natural;  // dX_J/dxi_k, (J, k)
   ReferencePoint out;
   out.inverse_jacobian = jacobian.inverse();

@@ -5,26 +5,21 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/element/deformation.hpp"
-#include "solid-server/element/hex20.hpp"
 
 namespace couplet::solid {
 
 namespace {
 
 [[noreturn]] void refuse_folded(const SolidMesh& mesh, Index element) {
-  const ElementVectors position = at_element(mesh.node_position, mesh.element_node[static_cast<std::size_t>(element)]);
-  const Eigen::Vector3d middle = position.colwise().mean();
-  throw report::SceneError("solid.body[0]",
-                           "element " + std::to_string(element) + " at (" + std::to_string(middle.x()) + ", " +
-                               std::to_string(middle.y()) + ", " + std::to_string(middle.z()) + ") m is folded at rest",
+  throw report::SceneError("solid.body", mesh.describe_element(element) + " is folded at rest",
                            "change the element counts or the shape of the mesh");
 }
 
-/// The elements of each pack, -1 where there is none.
-std::vector<Index> fill_lanes(const SolidMesh& mesh) {
-  const Index per_layer = mesh.n_elements_per_layer > 0 ? mesh.n_elements_per_layer : mesh.n_elements();
+/// The elements of each pack, counted in the block, -1 where there is none.
+std::vector<Index> fill_lanes(const ElementBlock& block) {
+  const Index per_layer = block.n_elements_per_layer > 0 ? block.n_elements_per_layer : block.n_elements();
   std::vector<Index> lanes;
-  for (Index element = 0; element < mesh.n_elements(); ++element) {
+  for (Index element = 0; element < block.n_elements(); ++element) {
     if (element % per_layer == 0) lanes.resize((lanes.size() + n_lanes - 1) / n_lanes * n_lanes, -1);
     lanes.push_back(element);
   }
@@ -39,19 +34,28 @@ void store_geometry(const ReferencePoint& point, std::size_t lane, StoredPack* g
 }
 
 /// Geometry of the eight elements of a pack, (n_points, 10).
-std::vector<StoredPack> geometry_of(const SolidMesh& mesh, const std::array<Index, n_lanes>& elements,
+std::vector<StoredPack> geometry_of(const SolidMesh& mesh, const ElementBlock& block,
+                                    const std::array<Index, n_lanes>& elements,
                                     const std::vector<QuadraturePoint>& points) {
   std::vector<StoredPack> geometry(points.size() * 10);
   for (std::size_t lane = 0; lane < n_lanes; ++lane) {
-    const auto& nodes = mesh.element_node[static_cast<std::size_t>(elements[lane])];
-    const ElementVectors position = at_element(mesh.node_position, nodes);
+    const ElementVectors position = at_element(mesh.node_position, block.nodes_of(elements[lane]));
     for (std::size_t q = 0; q < points.size(); ++q) {
-      const ReferencePoint reference = reference_point(position, points[q]);
-      if (!(reference.volume > 0)) refuse_folded(mesh, elements[lane]);
+      const ReferencePoint reference = reference_point(block.shape, position, points[q]);
+      if (!(reference.volume > 0)) refuse_folded(mesh, block.first_element + elements[lane]);
       store_geometry(reference, lane, &geometry[10 * q]);
     }
   }
   return geometry;
+}
+
+void store_axes(const ElementBlock& block, const std::array<Index, n_lanes>& elements, std::vector<StoredPack>& axes) {
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    for (Eigen::Index J = 0; J < 3; ++J) {
+      StoredPack& component = axes.emplace_back();
+      for (std::size_t lane = 0; lane < n_lanes; ++lane)
+        component.lane[lane] = block.axes[static_cast<std::size_t>(elements[lane])][axis][J];
+    }
 }
 
 /// Whether two geometries differ by no more than the round-off of node positions.
@@ -72,33 +76,38 @@ bool are_alike(const std::vector<StoredPack>& a, const StoredPack* b) {
 
 }  // namespace
 
-ElementPacks make_element_packs(const SolidMesh& mesh, int n_points) {
-  const auto points = element_quadrature(n_points);
+ElementPacks make_element_packs(const SolidMesh& mesh, const ElementBlock& block, int n_points,
+                                ElementFormulation formulation) {
+  const auto points = element_quadrature(block.shape, n_points);
   ElementPacks packs;
+  packs.shape = block.shape;
+  packs.formulation = formulation;
+  packs.n_nodes = topology(block.shape).n_nodes;
   packs.n_points = n_points;
-  packs.n_elements = mesh.n_elements();
+  packs.n_elements = block.n_elements();
   for (const QuadraturePoint& point : points) {
-    const Eigen::Matrix<double, hex20::n_nodes, 3, Eigen::RowMajor> gradient = hex20::shape_gradient(point.xi);
+    const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> gradient = shape_gradient(block.shape, point.xi);
     packs.natural_gradient.insert(packs.natural_gradient.end(), gradient.data(), gradient.data() + gradient.size());
   }
-  packs.lane_element = fill_lanes(mesh);
+  packs.lane_element = fill_lanes(block);
   packs.n_packs = static_cast<Index>(packs.lane_element.size()) / n_lanes;
-  const Index per_layer = (mesh.n_elements_per_layer + n_lanes - 1) / n_lanes;  // packs; 0: no layers
+  const Index per_layer = (block.n_elements_per_layer + n_lanes - 1) / n_lanes;  // packs; 0: no layers
 
   for (Index p = 0; p < packs.n_packs; ++p) {
     std::array<Index, n_lanes> elements{};
     Index last = 0;  // the lanes of a pack fill from the first on
     for (std::size_t lane = 0; lane < n_lanes; ++lane) {
-      const Index element = packs.lane_element[static_cast<std::size_t>(p * n_lanes) + lane];
+      Index& element = packs.lane_element[static_cast<std::size_t>(p * n_lanes) + lane];
       if (element >= 0) last = element;
       elements[lane] = last;
+      if (element >= 0) element += block.first_element;
     }
-    for (std::size_t a = 0; a < hex20::n_nodes; ++a)
+    for (std::size_t a = 0; a < static_cast<std::size_t>(packs.n_nodes); ++a)
       for (const Index element : elements)
-        packs.node_start.push_back(NodeVectors::ColsAtCompileTime *
-                                   mesh.element_node[static_cast<std::size_t>(element)][a]);
+        packs.node_start.push_back(NodeVectors::ColsAtCompileTime * block.nodes_of(element)[a]);
+    if (!block.axes.empty()) store_axes(block, elements, packs.axes);
 
-    const auto geometry = geometry_of(mesh, elements, points);
+    const auto geometry = geometry_of(mesh, block, elements, points);
     if (per_layer > 0 && p >= per_layer) {
       const Index below = packs.geometry_start[static_cast<std::size_t>(p - per_layer)];
       if (are_alike(geometry, &packs.geometry[static_cast<std::size_t>(below)])) {

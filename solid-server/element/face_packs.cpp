@@ -2,20 +2,22 @@
 
 #include <algorithm>
 
-#include "solid-server/element/hex20.hpp"
 #include "solid-server/element/lane_transpose.hpp"
+#include "solid-server/element/shape_functions.hpp"
 
 namespace couplet::solid {
 
 namespace {
 
-void tabulate_shape(FacePacks& packs) {
-  const auto points = face_quadrature();
+void tabulate_shape(FaceShape face, FacePacks& packs) {
+  const auto points = face_quadrature(face);
+  packs.n_nodes = n_nodes_of(face);
+  packs.n_points = static_cast<int>(points.size());
   for (std::size_t q = 0; q < points.size(); ++q) {
-    const auto shape = hex20::face_shape(points[q].xi);
-    const auto gradient = hex20::face_shape_gradient(points[q].xi);
+    const auto shape = shape_values(face, points[q].xi);
+    const auto gradient = shape_gradient(face, points[q].xi);
     packs.weight[q] = points[q].weight;
-    for (int a = 0; a < hex20::n_face_nodes; ++a) {
+    for (int a = 0; a < packs.n_nodes; ++a) {
       packs.shape[q][a] = shape[a];
       for (int k = 0; k < 2; ++k) packs.gradient[q][a][k] = gradient(a, k);
     }
@@ -26,12 +28,14 @@ void tabulate_shape(FacePacks& packs) {
 
 FacePacks make_face_packs(const SolidMesh& mesh, const std::vector<FaceNodes>& faces) {
   FacePacks packs;
-  tabulate_shape(packs);
+  if (faces.empty()) return packs;
+  tabulate_shape(faces.front().shape(), packs);
   packs.n_faces = static_cast<Index>(faces.size());
   packs.n_packs = (packs.n_faces + n_lanes - 1) / n_lanes;
   const auto n_packs = static_cast<std::size_t>(packs.n_packs);
-  packs.node_start.resize(n_packs * hex20::n_face_nodes * n_lanes);
-  packs.position.resize(n_packs * hex20::n_face_nodes * 3);
+  const auto n_nodes = static_cast<std::size_t>(packs.n_nodes);
+  packs.node_start.resize(n_packs * n_nodes * n_lanes);
+  packs.position.resize(n_packs * n_nodes * 3);
   for (std::size_t p = 0; p < n_packs; ++p)
     for (std::size_t lane = 0; lane < n_lanes; ++lane) {
       const FaceNodes& nodes = faces[std::min(p * n_lanes + lane, faces.size() - 1)];
@@ -45,9 +49,22 @@ FacePacks make_face_packs(const SolidMesh& mesh, const std::vector<FaceNodes>& f
   return packs;
 }
 
-Index face_force_start(Index face, int local_node) {
+std::vector<std::vector<FaceNodes>> group_by_shape(const std::vector<FaceNodes>& faces) {
+  std::vector<std::vector<FaceNodes>> groups;
+  for (const FaceNodes& face : faces) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& known) { return known.front().shape() == face.shape(); });
+    if (group == groups.end())
+      groups.push_back({face});
+    else
+      group->push_back(face);
+  }
+  return groups;
+}
+
+Index face_force_start(const FacePacks& packs, Index face, int local_node) {
   const Index pack = face / n_lanes, lane = face % n_lanes;
-  return (pack * packs_per_face_pack + 4 * local_node) * n_lanes + 4 * lane_place(lane);
+  return (pack * packs.packs_of_force() + 4 * local_node) * n_lanes + 4 * lane_place(lane);
 }
 
 }  // namespace couplet::solid

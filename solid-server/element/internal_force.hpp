@@ -1,14 +1,11 @@
 #pragma once
-// The internal force of eight hexahedra at once, total Lagrangian: the kernel in which a run spends its time.
+// The internal force of eight elements at once, total Lagrangian: the kernel in which a run spends its time.
 
 #include "solid-server/element/element_packs.hpp"
 #include "solid-server/element/lane_transpose.hpp"
 #include "solid-server/material/material.hpp"
 
 namespace couplet::solid {
-
-/// Packs of force that one pack of elements writes: (20 nodes, 4).
-constexpr Index packs_per_element_pack = 4 * hex20::n_nodes;
 
 /// Start of the force (x, y, z, 0) on a local node of the element in a lane, counted in doubles from the place of its
 /// pack.

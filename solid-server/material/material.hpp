@@ -31,4 +31,18 @@ static_assert(HyperelasticMaterial<MooneyRivlin>);
 
 using Material = std::variant<SaintVenantKirchhoff, MooneyRivlin>;
 
+/// The answers of any law; `axes` are read by anisotropic laws only and may be left unset for others.
+template <class Law, class Real>
+[[gnu::always_inline]] inline Real energy_of(const Law& law, const Tensor<Real>& F, const LocalAxes<Real>&) {
+  return law.energy(F);
+}
+template <class Law, class Real>
+[[gnu::always_inline]] inline Tensor<Real> stress_of(const Law& law, const Tensor<Real>& F, const LocalAxes<Real>&) {
+  return law.stress(F);
+}
+template <class Law, class Real>
+inline Tangent tangent_of(const Law& law, const Tensor<Real>& F, const LocalAxes<Real>&) {
+  return law.tangent(F);
+}
+
 }  // namespace couplet::solid

@@ -14,6 +14,7 @@ struct MooneyRivlin {
   double a01 = 0;           // [Pa]
   double bulk_modulus = 0;  // K [Pa]
 
+  static constexpr bool is_anisotropic = false;
   static constexpr bool needs_positive_volume = true;
 
   /// K + 4/3 mu = rho c_p^2 [Pa].

@@ -10,6 +10,7 @@ struct SaintVenantKirchhoff {
   double lame_lambda = 0;    // lambda [Pa]
   double shear_modulus = 0;  // mu [Pa]
 
+  static constexpr bool is_anisotropic = false;
   static constexpr bool needs_positive_volume = false;
 
   /// lambda = E nu / ((1 + nu)(1 - 2 nu)),  mu = E / (2 (1 + nu)).

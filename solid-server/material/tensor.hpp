@@ -11,6 +11,12 @@ struct Tensor {
   Real at[3][3];
 };
 
+/// Axes of the tissue at rest, as unit vectors: at[0] along the fibres, at[1] across them in the plane of the tissue.
+template <class Real>
+struct LocalAxes {
+  Real at[2][3];
+};
+
 /// A^T A, the right Cauchy-Green tensor of a deformation gradient.
 template <class Real>
 [[gnu::always_inline]] inline Tensor<Real> transpose_product(const Tensor<Real>& a) {

@@ -36,16 +36,13 @@ SolidMesh StructuredBlock::mesh(const std::function<Eigen::Vector3d(const HalfIn
       for (int i = 0; i <= 2 * n_[0]; ++i)
         if (const Index node = node_at({i, j, k}); node >= 0) mesh.node_position.row(node) = position({i, j, k});
 
+  ElementBlock& block = mesh.block.emplace_back();
   for (int k = 0; k < n_[2]; ++k)
     for (int j = 0; j < n_[1]; ++j)
-      for (int i = 0; i < n_[0]; ++i) {
-        auto& nodes = mesh.element_node.emplace_back();
-        for (std::size_t a = 0; a < nodes.size(); ++a) {
-          const auto& c = hex20::node_coordinate[a];
-          nodes[a] = node_at({2 * i + 1 + c[0], 2 * j + 1 + c[1], 2 * k + 1 + c[2]});
-        }
-      }
-  mesh.n_elements_per_layer = n_[0] * n_[1];
+      for (int i = 0; i < n_[0]; ++i)
+        for (const auto& c : hex20::node_coordinate)
+          block.node.push_back(node_at({2 * i + 1 + c[0], 2 * j + 1 + c[1], 2 * k + 1 + c[2]}));
+  block.n_elements_per_layer = n_[0] * n_[1];
   return mesh;
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <functional>
 
+#include "solid-server/mesh/hex20_topology.hpp"
 #include "solid-server/mesh/solid_mesh.hpp"
 
 namespace couplet::solid {

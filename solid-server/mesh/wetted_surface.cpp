@@ -30,15 +30,15 @@ WettedSurface make_wetted_surface(const SolidMesh& mesh, const std::vector<std::
     out.node_position.row(n) = mesh.node_position.row(wetted.solid_node[static_cast<std::size_t>(n)]);
 
   const auto n_faces = static_cast<Eigen::Index>(faces.size());
-  out.face_offset = surface::IndexArray::LinSpaced(n_faces + 1, 0, hex20::n_face_nodes * n_faces);
-  out.face_node.resize(hex20::n_face_nodes * n_faces);
+  std::vector<std::int64_t> face_node;
+  out.face_offset = surface::IndexArray::Zero(n_faces + 1);
   out.face_region = Eigen::Map<const surface::IndexArray>(regions.data(), n_faces);
   for (Eigen::Index f = 0; f < n_faces; ++f) {
     wetted.face.push_back(mesh.nodes_of(faces[static_cast<std::size_t>(f)]));
-    for (Eigen::Index a = 0; a < hex20::n_face_nodes; ++a)
-      out.face_node[hex20::n_face_nodes * f + a] =
-          place_of(wetted.solid_node, wetted.face.back()[static_cast<std::size_t>(a)]);
+    for (const Index node : wetted.face.back()) face_node.push_back(place_of(wetted.solid_node, node));
+    out.face_offset[f + 1] = static_cast<std::int64_t>(face_node.size());
   }
+  out.face_node = Eigen::Map<const surface::IndexArray>(face_node.data(), static_cast<Eigen::Index>(face_node.size()));
   for (const auto& [name, node] : mesh.marker)
     if (std::binary_search(wetted.solid_node.begin(), wetted.solid_node.end(), node))
       out.marker[name] = place_of(wetted.solid_node, node);

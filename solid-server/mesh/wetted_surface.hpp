@@ -10,7 +10,7 @@
 namespace couplet::solid {
 
 struct WettedSurface {
-  surface::SurfaceMesh surface;   // quad8 faces, right-hand normals into the fluid; a region for each named surface
+  surface::SurfaceMesh surface;   // right-hand normals into the fluid; a region for each named surface
   std::vector<Index> solid_node;  // (n surface nodes): the node of the body at each surface node, rising
   std::vector<FaceNodes> face;    // (n_faces): the same faces by nodes of the body
 };

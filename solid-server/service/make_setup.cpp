@@ -91,9 +91,7 @@ SolidSetup make_setup(const v1::Solid& solid) {
   const v1::Body& body = solid.body(0);
   SolidSetup setup;
   setup.mesh = make_mesh(body);
-  setup.material = make_material(body.material());
-  setup.density = body.material().density();
-  setup.points_per_element = body.points_per_element();
+  setup.properties = {{make_material(body.material()), body.material().density(), body.points_per_element()}};
   setup.supports = make_supports(body);
   setup.wetted.assign(body.wetted().begin(), body.wetted().end());
   setup.damping = {body.mass_damping(), solid.settling().until(), solid.settling().mass_damping()};

@@ -15,7 +15,8 @@ store::ResultMesh result_mesh(const SolidMesh& mesh) {
   store::ResultMesh out;
   out.shape = store::CellShape::hexahedron20;
   out.node_position = mesh.node_position;
-  for (const auto& nodes : mesh.element_node) out.cell_node.insert(out.cell_node.end(), nodes.begin(), nodes.end());
+  for (const ElementBlock& block : mesh.block)
+    out.cell_node.insert(out.cell_node.end(), block.node.begin(), block.node.end());
   return out;
 }
 

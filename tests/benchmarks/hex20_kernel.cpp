@@ -38,7 +38,9 @@ struct Body {
   NodeVectors displacement, force;
 
   Body(const Material& law, int points, int n_threads)
-      : material(law), n_points(points), forces(mesh, law, points, {}, {}, {}, n_threads) {
+      : material(law),
+        n_points(points),
+        forces(mesh, {{law, 1000, points}}, ExternalForce(mesh, {}, {}, {}), n_threads) {
     force = displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
     for (Index n = 0; n < mesh.n_nodes(); ++n) {
       const Eigen::Vector3d X = mesh.node_position.row(n);
@@ -59,10 +61,12 @@ struct Body {
   /// Largest difference to the force found point by point, over the largest force.
   double relative_error() const {
     Eigen::Matrix<double, Eigen::Dynamic, 3> plain = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(mesh.n_nodes(), 3);
-    for (const auto& nodes : mesh.element_node) {
+    for (Index element = 0; element < mesh.n_elements(); ++element) {
+      const auto nodes = mesh.nodes_of(element);
       const ElementVectors f =
-          element_force(material, at_element(mesh.node_position, nodes), at_element(displacement, nodes), n_points);
-      for (int a = 0; a < hex20::n_nodes; ++a) plain.row(nodes[static_cast<std::size_t>(a)]) += f.row(a);
+          element_force({material, ElementShape::hexahedron20, n_points, at_element(mesh.node_position, nodes)},
+                        at_element(displacement, nodes));
+      for (int a = 0; a < f.rows(); ++a) plain.row(nodes[static_cast<std::size_t>(a)]) += f.row(a);
     }
     return (plain - force.leftCols<3>()).cwiseAbs().maxCoeff() / plain.cwiseAbs().maxCoeff();
   }

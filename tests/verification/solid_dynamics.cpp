@@ -31,8 +31,7 @@ double total_energy(const SolidModel& model) {
 SolidSetup rubber_cube() {
   SolidSetup setup;
   setup.mesh = make_box_mesh({{1, 1, 1}, {4, 4, 4}});
-  setup.material = SaintVenantKirchhoff::from_young(17e6, 0.3);
-  setup.density = 1100;
+  setup.properties = {{SaintVenantKirchhoff::from_young(17e6, 0.3), 1100}};
   return setup;
 }
 
@@ -51,7 +50,7 @@ TEST(FreeSpin, KeepsAngularMomentumToRoundOffAndEnergyWithinAFewParts) {
   const Eigen::Vector3d omega(0, 0, 20);
   setup.kicks = {{0, [&](const Eigen::Vector3d& x) { return omega.cross(x - Eigen::Vector3d(0.5, 0.5, 0.5)); }}};
   SolidModel model(setup);
-  const Eigen::VectorXd mass = lumped_mass(model.mesh(), setup.density);
+  const Eigen::VectorXd mass = lumped_mass(model.mesh(), {setup.properties[0].density});
   double energy = 0, worst = 0;
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   for (int n = 0; n < 400; ++n) {  // 2 s: six revolutions
@@ -89,8 +88,7 @@ TEST(FreeSpin, EnergyErrorIsBoundedAndFallsWithTheSquareOfTheSubstep) {
 double sway(int n_steps, double substep) {
   SolidSetup setup;
   setup.mesh = make_box_mesh({{0.01, 0.01, 0.02}, {2, 2, 4}});
-  setup.material = MooneyRivlin{2290, 250, 100e3};
-  setup.density = 1040;
+  setup.properties = {{MooneyRivlin{2290, 250, 100e3}, 1040}};
   setup.supports.fixed = {"z_min"};
   setup.wetted = {"x_min"};
   setup.damping = {20, 0, 0};
@@ -160,9 +158,9 @@ TEST(Damping, ByStiffnessTakesFromEachModeByTheSquareOfItsFrequency) {
   SolidSetup setup = rubber_cube();
   setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
   setup.supports.fixed = {"x_min"};
-  const FreeVibration body =
-      free_vibration(setup.mesh, setup.material, setup.density, setup.supports, setup.points_per_element);
-  const NodeVectors inverse = inverse_mass(setup.mesh, lumped_mass(setup.mesh, setup.density), setup.supports);
+  const FreeVibration body = free_vibration(setup.mesh, setup.properties[0], setup.supports);
+  const NodeVectors inverse =
+      inverse_mass(setup.mesh, lumped_mass(setup.mesh, {setup.properties[0].density}), setup.supports);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(Eigen::MatrixXd(body.stiffness),
                                                                         Eigen::MatrixXd(body.lumped_mass));
   for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{20}}) {
@@ -225,7 +223,7 @@ TEST(BouncingCube, KeepsItsEnergyThroughContact) {
   }
   EXPECT_GT(deepest, 1e-4 * energy);
   EXPECT_EQ(model.energy().contact, 0);
-  const Eigen::VectorXd mass = lumped_mass(model.mesh(), setup.density);
+  const Eigen::VectorXd mass = lumped_mass(model.mesh(), {setup.properties[0].density});
   EXPECT_LT(mass.dot(model.accepted().motion.velocity.col(1)) / mass.sum(), -3);  // it has bounced
   EXPECT_LE(worst, 5e-3);  // half the stable substep, and a penalty that switches on and off
 }
@@ -235,8 +233,7 @@ TEST(UniaxialPressure, ReachesTheHomogeneousSolution) {
   // lateral stretch 1.1121292 (computed independently by root finding); the pressure acts on the deformed area.
   SolidSetup setup;
   setup.mesh = make_box_mesh({{0.01, 0.01, 0.01}, {2, 2, 2}});
-  setup.material = MooneyRivlin{2290, 250, 100e3};
-  setup.density = 1040;
+  setup.properties = {{MooneyRivlin{2290, 250, 100e3}, 1040}};
   setup.supports.symmetry = {{"x_min", 0}, {"y_min", 1}, {"z_min", 2}};
   const double pressure = 3908.9929 / (1.1121292 * 1.1121292);
   setup.pressures = {{"x_max", [=](double t) { return pressure * std::min(1.0, t / 0.02); }}};
@@ -256,11 +253,10 @@ TEST(StableStep, IsJustBelowTheExactOne) {
     for (const int n_points : {8, 27}) {
       SolidSetup setup = rubber_cube();
       setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
-      setup.material = material;
-      setup.points_per_element = n_points;
+      setup.properties = {{material, 1100, n_points}};
       setup.supports.fixed = {"x_min"};
       const double found = SolidModel(setup).accepted().stable_step;
-      const FreeVibration body = free_vibration(setup.mesh, material, setup.density, setup.supports, n_points);
+      const FreeVibration body = free_vibration(setup.mesh, setup.properties[0], setup.supports);
       const Eigen::VectorXd scale = body.lumped_mass.diagonal().cwiseSqrt().cwiseInverse();
       const Eigen::MatrixXd matrix = scale.asDiagonal() * Eigen::MatrixXd(body.stiffness) * scale.asDiagonal();
       const double exact =
@@ -268,8 +264,8 @@ TEST(StableStep, IsJustBelowTheExactOne) {
       EXPECT_LE(found, exact * (1 + 1e-6));  // the stiffness is applied as a difference of forces
       EXPECT_GE(found, 0.99 * exact);
       const double wave_time =
-          0.5 /
-          std::sqrt(std::visit([](const auto& law) { return law.pressure_wave_modulus(); }, material) / setup.density);
+          0.5 / std::sqrt(std::visit([](const auto& law) { return law.pressure_wave_modulus(); }, material) /
+                          setup.properties[0].density);
       EXPECT_NEAR(found / wave_time, 0.28, 0.025);  // the rule of thumb for cubes
     }
 }

@@ -19,7 +19,8 @@ FreeVibration fold_vibration(double medial_thickness, std::array<int, 3> n_eleme
     supports.symmetry = {{"posterior", 2}};
   else
     supports.fixed.push_back("posterior");
-  return free_vibration(make_vocal_fold_mesh(shape), SaintVenantKirchhoff::from_young(15e3, 0.475), 1040, supports, 8);
+  return free_vibration(make_vocal_fold_mesh(shape), {SaintVenantKirchhoff::from_young(15e3, 0.475), 1040, 8},
+                        supports);
 }
 
 void expect_frequencies(const std::vector<double>& found, const std::vector<double>& reference, double tolerance) {

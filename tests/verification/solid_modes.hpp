@@ -9,6 +9,7 @@
 #include <numbers>
 #include <vector>
 
+#include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/element/hex20.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
@@ -24,10 +25,10 @@ struct FreeVibration {
 
 /// M_ab = sum over 27 points of rho N_a N_b dV, the same for each component.
 inline ElementTangent consistent_mass(const ElementVectors& position, double density) {
-  ElementTangent mass = ElementTangent::Zero();
-  for (const QuadraturePoint& point : element_quadrature(27)) {
+  ElementTangent mass = ElementTangent::Zero(3 * hex20::n_nodes, 3 * hex20::n_nodes);
+  for (const QuadraturePoint& point : element_quadrature(ElementShape::hexahedron20, 27)) {
     const auto N = hex20::shape(point.xi);
-    const double at_point = density * reference_point(position, point).volume;
+    const double at_point = density * reference_point(ElementShape::hexahedron20, position, point).volume;
     for (int a = 0; a < hex20::n_nodes; ++a)
       for (int b = 0; b < hex20::n_nodes; ++b)
         for (int i = 0; i < 3; ++i) mass(3 * a + i, 3 * b + i) += at_point * N[a] * N[b];
@@ -35,9 +36,10 @@ inline ElementTangent consistent_mass(const ElementVectors& position, double den
   return mass;
 }
 
-inline FreeVibration free_vibration(const SolidMesh& mesh, const Material& material, double density,
-                                    const Supports& supports, int n_points) {
-  const Eigen::VectorXd lumped = lumped_mass(mesh, density);
+inline FreeVibration free_vibration(const SolidMesh& mesh, const BlockProperties& properties,
+                                    const Supports& supports) {
+  const double density = properties.density;
+  const Eigen::VectorXd lumped = lumped_mass(mesh, {density});
   const NodeVectors inverse = inverse_mass(mesh, lumped, supports);
   std::vector<int> equation(static_cast<std::size_t>(3 * mesh.n_nodes()), -1);
   std::vector<Eigen::Triplet<double>> stiffness, mass, diagonal;
@@ -48,9 +50,12 @@ inline FreeVibration free_vibration(const SolidMesh& mesh, const Material& mater
         diagonal.emplace_back(n_free, n_free, lumped[n]);
         equation[static_cast<std::size_t>(3 * n + i)] = n_free++;
       }
-  for (const auto& nodes : mesh.element_node) {
+  for (Index element = 0; element < mesh.n_elements(); ++element) {
+    const auto nodes = mesh.nodes_of(element);
     const ElementVectors position = at_element(mesh.node_position, nodes);
-    const ElementTangent K = element_tangent(material, position, ElementVectors::Zero(), n_points);
+    const ElementTangent K =
+        element_tangent({properties.material, ElementShape::hexahedron20, properties.n_points, position},
+                        ElementVectors::Zero(hex20::n_nodes, 3));
     const ElementTangent M = consistent_mass(position, density);
     const auto equation_of = [&](int row) {
       return equation[static_cast<std::size_t>(3 * nodes[static_cast<std::size_t>(row / 3)] + row % 3)];

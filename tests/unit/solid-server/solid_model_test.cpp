@@ -19,8 +19,7 @@ SolidSetup busy_fold(int n_threads) {
   shape.half_length = true;
   SolidSetup setup;
   setup.mesh = make_vocal_fold_mesh(shape);
-  setup.material = MooneyRivlin{2290, 250, 100e3};
-  setup.density = 1040;
+  setup.properties = {{MooneyRivlin{2290, 250, 100e3}, 1040}};
   setup.supports = {{"lateral", "anterior"}, {{"posterior", 2}}};
   setup.wetted = {"inferior", "medial", "superior"};
   setup.damping = {0.05, 4.5 * coupling_step, 400};
@@ -106,8 +105,7 @@ TEST(SolidModel, KeepsItsSupports) {
 SolidSetup kicked_cube() {
   SolidSetup setup;
   setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
-  setup.material = SaintVenantKirchhoff::from_young(1e6, 0.3);
-  setup.density = 1000;
+  setup.properties = {{SaintVenantKirchhoff::from_young(1e6, 0.3), 1000}};
   setup.kicks = {{1e-3, [](const Eigen::Vector3d&) { return Eigen::Vector3d(1, 0, 0); }}};
   return setup;
 }

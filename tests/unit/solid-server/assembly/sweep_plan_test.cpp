@@ -14,7 +14,7 @@ class SweepOf : public testing::TestWithParam<int> {
  protected:
   const int n_members = GetParam();
   const SolidMesh mesh = make_box_mesh({{1, 1, 1}, {5, 3, 120}});  // 1800 elements: 240 packs
-  const ElementPacks packs = make_element_packs(mesh, 8);
+  const ElementPacks packs = make_element_packs(mesh, mesh.block[0], 8);
   // Two loads on every third node.
   const std::vector<ForcePart> loads = [this] {
     std::vector<ForcePart> parts;
@@ -22,7 +22,7 @@ class SweepOf : public testing::TestWithParam<int> {
       for (int copy = 0; copy < 2; ++copy) parts.push_back({n, static_cast<Index>(4 * parts.size())});
     return parts;
   }();
-  const SweepPlan plan = make_sweep_plan(packs, mesh.n_nodes(), loads, n_members);
+  const SweepPlan plan = make_sweep_plan({&packs}, mesh.n_nodes(), loads, n_members);
 
   /// Goes through the sweep with one made-up number for each element and load, members one after the other or in turns
   /// of a chunk; gives what each node has added up.
@@ -42,9 +42,9 @@ class SweepOf : public testing::TestWithParam<int> {
       const auto& chunk = plan.chunks[static_cast<std::size_t>(next[member]++)];
       for (Index pack = chunk.first_pack; pack < chunk.last_pack; ++pack)
         for (int lane = 0; lane < n_lanes; ++lane)
-          for (int a = 0; a < hex20::n_nodes; ++a)
+          for (int a = 0; a < packs.n_nodes; ++a)
             buffer[static_cast<std::size_t>(
-                (chunk.place + (pack - chunk.first_pack) * packs_per_element_pack) * n_lanes + force_start(a, lane))] =
+                (chunk.place + (pack - chunk.first_pack) * packs.packs_of_force()) * n_lanes + force_start(a, lane))] =
                 packs.lane_element[static_cast<std::size_t>(pack * n_lanes + lane)] + 1;
       for (Index v = chunk.first_visit; v < chunk.last_visit; ++v) visit(v);
       return true;
@@ -65,7 +65,7 @@ class SweepOf : public testing::TestWithParam<int> {
 TEST_P(SweepOf, GivesEachNodeTheForcesOfAllItsElementsAndLoads) {
   std::vector<double> expected(static_cast<std::size_t>(mesh.n_nodes()), 0);
   for (Index e = 0; e < mesh.n_elements(); ++e)
-    for (const Index n : mesh.element_node[static_cast<std::size_t>(e)]) expected[static_cast<std::size_t>(n)] += e + 1;
+    for (const Index n : mesh.nodes_of(e)) expected[static_cast<std::size_t>(n)] += e + 1;
   for (std::size_t l = 0; l < loads.size(); ++l)
     expected[static_cast<std::size_t>(loads[l].node)] += 1e-3 * static_cast<double>(l + 1);
   EXPECT_EQ(go(false), expected);  // whole numbers first, then the loads in order: no other round-off
@@ -75,8 +75,8 @@ TEST_P(SweepOf, GivesEachNodeTheForcesOfAllItsElementsAndLoads) {
 TEST_P(SweepOf, VisitsANodeOnlyAfterTheLastElementAroundIt) {
   std::vector<Index> last_chunk(static_cast<std::size_t>(mesh.n_nodes()), -1);
   for (std::size_t c = 0; c < plan.chunks.size(); ++c)
-    for (Index n = plan.chunks[c].first_pack * n_lanes * hex20::n_nodes;
-         n < plan.chunks[c].last_pack * n_lanes * hex20::n_nodes; ++n)
+    for (Index n = plan.chunks[c].first_pack * n_lanes * packs.n_nodes;
+         n < plan.chunks[c].last_pack * n_lanes * packs.n_nodes; ++n)
       last_chunk[static_cast<std::size_t>(packs.node_start[static_cast<std::size_t>(n)] / 4)] = static_cast<Index>(c);
   for (std::size_t c = 0; c < plan.chunks.size(); ++c)
     for (Index v = plan.chunks[c].first_visit; v < plan.chunks[c].last_visit; ++v)
@@ -85,19 +85,19 @@ TEST_P(SweepOf, VisitsANodeOnlyAfterTheLastElementAroundIt) {
 }
 
 TEST_P(SweepOf, UsesPlacesAgain) {
-  EXPECT_LT(plan.n_element_packs, static_cast<std::size_t>(packs.n_packs * packs_per_element_pack));
+  EXPECT_LT(plan.n_element_packs, static_cast<std::size_t>(packs.n_packs * packs.packs_of_force()));
 }
 
 INSTANTIATE_TEST_SUITE_P(Members, SweepOf, testing::Values(1, 2, 3));
 
 TEST(ElementPacks, ShareOneGeometryAmongLayersOfTheSameShape) {
   const SolidMesh mesh = make_box_mesh({{1, 1, 1}, {5, 3, 40}});
-  const ElementPacks packs = make_element_packs(mesh, 8);
+  const ElementPacks packs = make_element_packs(mesh, mesh.block[0], 8);
   EXPECT_EQ(packs.n_packs, 80);
   EXPECT_EQ(packs.geometry.size(), 2u * 8 * 10);  // two packs of a layer, eight points, ten numbers
   SolidMesh bent = mesh;
   for (Index n = 0; n < bent.n_nodes(); ++n) bent.node_position(n, 0) *= 1 + bent.node_position(n, 2);
-  EXPECT_EQ(make_element_packs(bent, 8).geometry.size(), 80u * 8 * 10);
+  EXPECT_EQ(make_element_packs(bent, bent.block[0], 8).geometry.size(), 80u * 8 * 10);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ struct Contact {
   std::vector<char> was_touching;
 
   explicit Contact(std::vector<RigidPlane> planes) : faces(top()), contact(mesh, faces, std::move(planes)) {
-    buffer.resize(static_cast<std::size_t>(contact.n_packs()) * packs_per_face_pack);
+    buffer.resize(static_cast<std::size_t>(contact.n_packs() * contact.faces().packs_of_force()));
     was_touching.resize(static_cast<std::size_t>(contact.n_packs()));
   }
 
@@ -30,10 +30,10 @@ struct Contact {
     NodePositions at_node = NodePositions::Zero(mesh.n_nodes(), 3);
     const double* values = &buffer.data()->lane[0];
     for (Index f = 0; f < static_cast<Index>(faces.size()); ++f)
-      for (int a = 0; a < hex20::n_face_nodes; ++a)
+      for (int a = 0; a < contact.faces().n_nodes; ++a)
         for (int i = 0; i < 3; ++i)
           at_node(faces[static_cast<std::size_t>(f)][static_cast<std::size_t>(a)], i) +=
-              values[face_force_start(f, a) + i];
+              values[face_force_start(contact.faces(), f, a) + i];
     return at_node;
   }
 };

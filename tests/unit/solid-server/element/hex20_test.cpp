@@ -59,13 +59,14 @@ TEST(Quadrature, IntegratesWhatItPromises) {
   for (const auto& [n_points, degree] : {Promise{8, 3}, Promise{14, 5}, Promise{27, 5}})
     for (int power = 0; power <= degree; ++power) {
       double integral = 0;
-      for (const auto& point : element_quadrature(n_points)) integral += point.weight * std::pow(point.xi[1], power);
+      for (const auto& point : element_quadrature(ElementShape::hexahedron20, n_points))
+        integral += point.weight * std::pow(point.xi[1], power);
       EXPECT_NEAR(integral, power % 2 == 0 ? 8.0 / (power + 1) : 0, 1e-14) << n_points << " points, power " << power;
     }
 }
 
 TEST(Quadrature, RefusesACountThatThereIsNot) {
-  EXPECT_THROW(element_quadrature(9), report::SceneError);
+  EXPECT_THROW(element_quadrature(ElementShape::hexahedron20, 9), report::SceneError);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/hex20_topology.hpp"
 
 namespace couplet::solid {
 namespace {
@@ -29,9 +30,10 @@ SolidMesh distorted_patch() {
   };
   for (Index n = 0; n < mesh.n_nodes(); ++n)
     if (is_inside(n)) mesh.node_position.row(n) += Eigen::RowVector3d(shift(random), shift(random), shift(random));
-  for (const auto& nodes : mesh.element_node)
+  for (Index element = 0; element < mesh.n_elements(); ++element)
     for (const auto& face : hex20::face_node)
       for (std::size_t e = 0; e < 4; ++e) {
+        const auto nodes = mesh.nodes_of(element);
         const auto corner = [&](std::size_t c) { return nodes[static_cast<std::size_t>(face[c % 4])]; };
         mesh.node_position.row(nodes[static_cast<std::size_t>(face[4 + e])]) =
             (mesh.node_position.row(corner(e)) + mesh.node_position.row(corner(e + 1))) / 2;
@@ -43,8 +45,8 @@ SolidMesh distorted_patch() {
 SolidMesh curved_patch() {
   SolidMesh mesh = distorted_patch();
   std::vector<char> is_midside(static_cast<std::size_t>(mesh.n_nodes()), 0), is_outside = is_midside;
-  for (const auto& nodes : mesh.element_node)
-    for (std::size_t a = 8; a < nodes.size(); ++a) is_midside[static_cast<std::size_t>(nodes[a])] = 1;
+  for (Index element = 0; element < mesh.n_elements(); ++element)
+    for (const Index node : mesh.nodes_of(element).subspan(8)) is_midside[static_cast<std::size_t>(node)] = 1;
   for (const auto& [name, faces] : mesh.surface)
     for (const Index n : nodes_of_faces(mesh, faces)) is_outside[static_cast<std::size_t>(n)] = 1;
   for (Index n = 0; n < mesh.n_nodes(); ++n)
@@ -59,7 +61,7 @@ struct Forces {
 };
 
 Forces forces(const SolidMesh& mesh, const Material& material, int n_points, const NodeVectors& displacement) {
-  NodalForce body(mesh, material, n_points, {}, {}, {}, 1);
+  NodalForce body(mesh, {{material, 1000, n_points}}, ExternalForce(mesh, {}, {}, {}), 1);
   const NodeVectors at_node = body.all(displacement, {0, 0, true});
   EXPECT_EQ(body.inverted_element(), -1);
   return {at_node, body.strain_energy()};
@@ -121,11 +123,12 @@ TEST_P(KernelOf, AgreesWithThePlainForm) {
     const Forces fast = forces(mesh, material, n_points, displacement);
     NodePositions plain = NodePositions::Zero(mesh.n_nodes(), 3);
     double energy = 0;
-    for (const auto& nodes : mesh.element_node) {
-      const ElementVectors X = at_element(mesh.node_position, nodes), u = at_element(displacement, nodes);
-      const ElementVectors f = element_force(material, X, u, n_points);
+    for (Index e = 0; e < mesh.n_elements(); ++e) {
+      const auto nodes = mesh.nodes_of(e);
+      const PlainElement element{material, ElementShape::hexahedron20, n_points, at_element(mesh.node_position, nodes)};
+      const ElementVectors u = at_element(displacement, nodes), f = element_force(element, u);
       for (int a = 0; a < hex20::n_nodes; ++a) plain.row(nodes[static_cast<std::size_t>(a)]) += f.row(a);
-      energy += element_energy(material, X, u, n_points);
+      energy += element_energy(element, u);
     }
     EXPECT_LE((fast.at_node.leftCols<3>() - plain).cwiseAbs().maxCoeff(), 1e-12 * plain.cwiseAbs().maxCoeff());
     EXPECT_NEAR(fast.energy, energy, 1e-12 * energy);
@@ -163,11 +166,11 @@ INSTANTIATE_TEST_SUITE_P(Points, KernelOf, testing::Values(8, 14, 27));
 
 TEST(InternalForce, NamesTheElementThatIsTurnedInsideOut) {
   const SolidMesh mesh = make_box_mesh({{20, 1, 1}, {20, 1, 1}});
-  const ElementPacks packs = make_element_packs(mesh, 8);
+  const ElementPacks packs = make_element_packs(mesh, mesh.block[0], 8);
   NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
   for (Index n = 0; n < mesh.n_nodes(); ++n)  // the end of element 12 passes through it
     if (std::abs(mesh.node_position(n, 0) - 13) < 1e-9) displacement(n, 0) = -2.5;
-  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs) * packs_per_element_pack), energy(3);
+  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs * packs.packs_of_force())), energy(3);
   for (const Material& material : {Material(svk), Material(rivlin)})
     EXPECT_EQ(internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(), energy.data()), 12);
 }
@@ -177,7 +180,7 @@ TEST(ElementPacks, RefuseAnElementThatIsFoldedAtRest) {
   for (Index n = 0; n < mesh.n_nodes(); ++n)  // element 1 lies from x = 1 back to x = 0
     if (mesh.node_position(n, 0) > 1.1) mesh.node_position(n, 0) = 2 - mesh.node_position(n, 0);
   try {
-    make_element_packs(mesh, 8);
+    make_element_packs(mesh, mesh.block[0], 8);
     FAIL();
   } catch (const report::SceneError& error) {
     EXPECT_NE(std::string(error.what()).find("element 1 "), std::string::npos) << error.what();
@@ -185,7 +188,7 @@ TEST(ElementPacks, RefuseAnElementThatIsFoldedAtRest) {
 }
 
 TEST(LumpedMass, GivesACubeTheSharesOfHinton) {
-  const Eigen::VectorXd mass = lumped_mass(make_box_mesh({{1, 1, 1}, {1, 1, 1}}), 1000);
+  const Eigen::VectorXd mass = lumped_mass(make_box_mesh({{1, 1, 1}, {1, 1, 1}}), {1000});
   EXPECT_NEAR(mass.sum(), 1000, 1e-9);
   EXPECT_NEAR(mass.minCoeff(), 28.2, 0.05);  // corners 0.0282, midside nodes 0.0645 of the mass
   EXPECT_NEAR(mass.maxCoeff(), 64.5, 0.05);
@@ -193,17 +196,17 @@ TEST(LumpedMass, GivesACubeTheSharesOfHinton) {
 
 TEST(ElementTangent, IsMinusTheDerivativeOfTheForce) {
   const SolidMesh mesh = curved_patch();
-  const ElementVectors X = at_element(mesh.node_position, mesh.element_node[4]);
-  const ElementVectors u = at_element(wavy(mesh), mesh.element_node[4]);
+  const ElementVectors X = at_element(mesh.node_position, mesh.nodes_of(4)),
+                       u = at_element(wavy(mesh), mesh.nodes_of(4));
   const double h = 1e-6;
   for (const Material& material : {Material(svk), Material(rivlin)}) {
-    const ElementTangent K = element_tangent(material, X, u, 14);
+    const PlainElement element{material, ElementShape::hexahedron20, 14, X};
+    const ElementTangent K = element_tangent(element, u);
     for (int column = 0; column < K.cols(); column += 7) {
       ElementVectors up = u, down = u;
       up(column / 3, column % 3) += h;
       down(column / 3, column % 3) -= h;
-      const ElementVectors slope =
-          (element_force(material, X, down, 14) - element_force(material, X, up, 14)) / (2 * h);
+      const ElementVectors slope = (element_force(element, down) - element_force(element, up)) / (2 * h);
       for (int row = 0; row < K.rows(); ++row)
         EXPECT_NEAR(K(row, column), slope(row / 3, row % 3), 1e-7 * K.cwiseAbs().maxCoeff());
     }

@@ -20,14 +20,15 @@ std::vector<FaceNodes> all_faces(const SolidMesh& mesh) {
 NodePositions nodal_forces(const SolidMesh& mesh, const std::vector<FaceNodes>& faces, double pressure,
                            const NodeVectors& displacement) {
   const FacePacks packs = make_face_packs(mesh, faces);
-  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs) * packs_per_face_pack);
+  std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs * packs.packs_of_force()));
   pressure_force(packs, 0, packs.n_packs, pressure, displacement.data(), buffer.data());
   NodePositions force = NodePositions::Zero(mesh.n_nodes(), 3);
   const double* values = &buffer.data()->lane[0];
   for (Index f = 0; f < packs.n_faces; ++f)
-    for (int a = 0; a < hex20::n_face_nodes; ++a)
+    for (int a = 0; a < packs.n_nodes; ++a)
       for (int i = 0; i < 3; ++i)
-        force(faces[static_cast<std::size_t>(f)][static_cast<std::size_t>(a)], i) += values[face_force_start(f, a) + i];
+        force(faces[static_cast<std::size_t>(f)][static_cast<std::size_t>(a)], i) +=
+            values[face_force_start(packs, f, a) + i];
   return force;
 }
 

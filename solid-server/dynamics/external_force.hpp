@@ -1,17 +1,24 @@
 #pragma once
-// What acts on the surface of a body: the interface load, prescribed pressures, rigid planes.
+// What acts on a body from outside: the interface load, prescribed loads, rigid planes.
 
 #include "solid-server/assembly/force_part.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
+#include "solid-server/load/dead_load.hpp"
 #include "solid-server/load/surface_pressure.hpp"
 #include "solid-server/mesh/wetted_surface.hpp"
 
 namespace couplet::solid {
 
-class SurfaceForce {
+/// Loads that a scene prescribes.
+struct PrescribedLoads {
+  std::vector<PressureLoad> pressures;
+  std::vector<DeadLoad> dead;
+};
+
+class ExternalForce {
  public:
-  SurfaceForce(const SolidMesh& mesh, const WettedSurface& wetted, const std::vector<PressureLoad>& pressures,
-               const std::vector<RigidPlane>& planes);
+  ExternalForce(const SolidMesh& mesh, const WettedSurface& wetted, PrescribedLoads loads,
+                const std::vector<RigidPlane>& planes);
 
   /// The parts that write() fills; `start` is counted from the start of its buffer.
   const std::vector<ForcePart>& parts() const { return parts_; }
@@ -29,16 +36,22 @@ class SurfaceForce {
   const PlaneContact& contact() const { return contact_; }
 
  private:
-  struct LoadedSurface {
+  struct PressedSurface {
     FacePacks faces;
     std::function<double(double)> pressure;
     std::size_t first_pack = 0;  // of its parts in the buffer
   };
+  struct PlacedLoad {
+    DeadLoad load;
+    std::size_t first_pack = 0;
+  };
 
-  void add_parts(const std::vector<FaceNodes>& faces);
+  void add_face_parts(const FacePacks& packs, const std::vector<FaceNodes>& faces);
+  std::size_t add_node_parts(const std::vector<Index>& nodes);
 
   Index n_nodes_;
-  std::vector<LoadedSurface> loads_;
+  std::vector<PressedSurface> pressures_;
+  std::vector<PlacedLoad> dead_;
   PlaneContact contact_;
   std::size_t contact_first_pack_ = 0, interface_first_pack_ = 0;
   std::vector<char> was_touching_;
