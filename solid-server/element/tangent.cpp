@@ -25,7 +25,7 @@ ElementTangent element_tangent(const PlainElement& element, const ElementVectors
     for (Eigen::Index a = 0; a < n_nodes; ++a)
       for (int i = 0; i < 3; ++i)
         for (int J = 0; J < 3; ++J) derivative(3 * i + J, 3 * a + i) = point.gradient(a, J);
-    const Tangent slope = tangent_of(law, F, element.axes);
+    const Tangent slope = as_matrix(tangent_of(law, F, element.axes));
     stiffness.noalias() += derivative.transpose() * (slope * point.volume) * derivative;
   });
   return stiffness;

@@ -2,6 +2,7 @@
 // Mooney-Rivlin with two isochoric coefficients and a bulk modulus.
 
 #include "solid-server/material/inverse_cube_root.hpp"
+#include "solid-server/material/tangent_parts.hpp"
 #include "solid-server/material/tensor.hpp"
 
 namespace couplet::solid {
@@ -16,9 +17,13 @@ struct MooneyRivlin {
 
   static constexpr bool is_anisotropic = false;
   static constexpr bool needs_positive_volume = true;
+  static constexpr bool has_volumetric_part = true;
+  static constexpr bool may_lose_stiffness = false;
 
   /// K + 4/3 mu = rho c_p^2 [Pa].
   double pressure_wave_modulus() const { return bulk_modulus + 8.0 / 3 * (a10 + a01); }
+  double shear_modulus() const { return 2 * (a10 + a01); }
+  double bulk_modulus_at_rest() const { return bulk_modulus; }
 
   template <class Real>
   [[gnu::always_inline]] inline Real energy(const Tensor<Real>& F) const {
@@ -46,7 +51,47 @@ struct MooneyRivlin {
     return P;
   }
 
-  Tangent tangent(const Tensor<double>& F) const;
+  /// The derivative of the formula above. With H = F^-T = cof F / J, B = F F^T, q = 4/3 (a10 J^(-2/3) + beta I1):
+  /// dP_iJ/dF_kL = alpha delta_ik delta_JL - beta (delta_ik C_JL + delta_JL B_ik + F_iL F_kJ) + gamma d2J/dF2
+  ///   + 2 beta F_iJ F_kL + v_iJ H_kL + H_iJ v_kL + h H_iJ H_kL,  v = 4/3 beta F C - q F,
+  /// h = K J^2 + 10/9 a10 J^(-2/3) I1 + 28/9 a01 J^(-4/3) I2.
+  template <class Real>
+  [[gnu::always_inline]] inline BasicTangent<Real> tangent(const Tensor<Real>& F) const {
+    const Point<Real> p(F);
+    const Real beta = (2 * a01) * (p.j2 * p.j2), a10_part = a10 * p.j2, I1_part = a10_part * p.I1,
+               I2_part = 0.5 * beta * p.I2;
+    const Real gamma = bulk_modulus * (p.J - 1.0) - ((2.0 / 3) * I1_part + (4.0 / 3) * I2_part) * p.inverse_J;
+    const Real h = bulk_modulus * p.J * p.J + (10.0 / 9) * I1_part + (28.0 / 9) * I2_part;
+    const Tensor<Real> H = scaled(p.inverse_J, p.cof);
+    const Tensor<Real> beta_F = scaled(beta, F), minus_beta_F = scaled(-beta, F);
+    const Tensor<Real> v =
+        sum(scaled((4.0 / 3), product(beta_F, p.C)), scaled((-4.0 / 3) * (a10_part + beta * p.I1), F));
+
+    BasicTangent<Real> tangent = outer_product(v, H);
+    add_outer_product(H, sum(v, scaled(h, H)), tangent);
+    add_outer_product(scaled(2.0, beta_F), F, tangent);
+    add_exchanged_product(minus_beta_F, F, tangent);
+    add_for_equal_columns(product_transpose(minus_beta_F, F), tangent);
+    add_for_equal_rows(scaled(-beta, p.C), tangent);
+    add_identity(2.0 * a10_part + beta * p.I1, tangent);
+    add_second_derivative_of_volume(gamma, F, tangent);
+    return mirrored(tangent);
+  }
+
+  /// U = K/2 (J - 1)^2, U', U''.
+  template <class Real>
+  [[gnu::always_inline]] inline Real volumetric_energy(const Real& J) const {
+    return 0.5 * bulk_modulus * (J - 1.0) * (J - 1.0);
+  }
+  template <class Real>
+  [[gnu::always_inline]] inline Real volumetric_pressure(const Real& J) const {
+    return bulk_modulus * (J - 1.0);
+  }
+  template <class Real>
+  [[gnu::always_inline]] inline Real volumetric_stiffness(const Real&) const {
+    return Real{} + bulk_modulus;
+  }
+  MooneyRivlin without_volumetric_part() const { return {a10, a01, 0}; }
 
  private:
   /// What every formula above needs at a point.
@@ -65,43 +110,5 @@ struct MooneyRivlin {
     }
   };
 };
-
-/// The derivative of the formula for P along each of the nine directions of F.
-inline Tangent MooneyRivlin::tangent(const Tensor<double>& F) const {
-  const Point<double> p(F);
-  const double J = p.J, j2 = p.j2, j4 = j2 * j2;
-  const double beta = 2 * a01 * j4, alpha = 2 * a10 * j2 + beta * p.I1;
-  const double isochoric = 2.0 / 3 * a10 * j2 * p.I1 + 4.0 / 3 * a01 * j4 * p.I2;  // gamma = K (J - 1) - isochoric / J
-  const double gamma = bulk_modulus * (J - 1) - isochoric / J;
-  const Tensor<double> FC = product(F, p.C);
-
-  Tangent tangent;
-  for (int column = 0; column < 9; ++column) {
-    const int k = column / 3, L = column % 3;
-    const double dJ = p.cof.at[k][L], dI1 = 2 * F.at[k][L], dI2 = 2 * (p.I1 * F.at[k][L] - FC.at[k][L]);
-    const double dj2 = -2.0 / 3 * j2 / J * dJ, dj4 = -4.0 / 3 * j4 / J * dJ;
-    const double dbeta = 2 * a01 * dj4, dalpha = 2 * a10 * dj2 + dbeta * p.I1 + beta * dI1;
-    const double disochoric = 2.0 / 3 * a10 * (dj2 * p.I1 + j2 * dI1) + 4.0 / 3 * a01 * (dj4 * p.I2 + j4 * dI2);
-    const double dgamma = bulk_modulus * dJ - disochoric / J + isochoric / (J * J) * dJ;
-    for (int i = 0; i < 3; ++i)
-      for (int M = 0; M < 3; ++M) {
-        const double dF = i == k && M == L ? 1 : 0;
-        // d(F C) = dF C + F dF^T F + F F^T dF with dF = e_k (x) E_L.
-        double dFC = i == k ? p.C.at[L][M] : 0;
-        dFC += F.at[i][L] * F.at[k][M];
-        if (M == L)
-          for (int N = 0; N < 3; ++N) dFC += F.at[i][N] * F.at[k][N];
-        // d cof_iM = eps_ikm eps_MLN F_mN.
-        double dcof = 0;
-        if (i != k && M != L) {
-          const double sign = ((k - i + 3) % 3 == 1 ? 1 : -1) * ((L - M + 3) % 3 == 1 ? 1 : -1);
-          dcof = sign * F.at[3 - i - k][3 - M - L];
-        }
-        tangent(3 * i + M, column) = dalpha * F.at[i][M] + alpha * dF - dbeta * FC.at[i][M] - beta * dFC +
-                                     dgamma * p.cof.at[i][M] + gamma * dcof;
-      }
-  }
-  return tangent;
-}
 
 }  // namespace couplet::solid

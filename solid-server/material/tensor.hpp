@@ -1,6 +1,5 @@
 #pragma once
-// A second-order tensor at one point, of one number each or of a pack of eight (simd_pack.hpp): the same formulas serve
-// both.
+// Tensors at one point, of one number each or of a pack of eight (pack.hpp): the same formulas serve both.
 
 #include <Eigen/Core>
 
@@ -15,6 +14,12 @@ struct Tensor {
 template <class Real>
 struct LocalAxes {
   Real at[2][3];
+};
+
+/// d2W/dF2 = dP/dF [Pa], index 3 i + J in both directions; symmetric.
+template <class Real>
+struct BasicTangent {
+  Real at[9][9];
 };
 
 /// A^T A, the right Cauchy-Green tensor of a deformation gradient.
@@ -35,6 +40,31 @@ template <class Real>
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       c.at[i][j] = a.at[i][0] * b.at[0][j] + a.at[i][1] * b.at[1][j] + a.at[i][2] * b.at[2][j];
+  return c;
+}
+
+/// A B^T.
+template <class Real>
+[[gnu::always_inline]] inline Tensor<Real> product_transpose(const Tensor<Real>& a, const Tensor<Real>& b) {
+  Tensor<Real> c;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      c.at[i][j] = a.at[i][0] * b.at[j][0] + a.at[i][1] * b.at[j][1] + a.at[i][2] * b.at[j][2];
+  return c;
+}
+
+/// A factor of one number for all points, or of one for each.
+template <class Factor, class Real>
+[[gnu::always_inline]] inline Tensor<Real> scaled(const Factor& factor, const Tensor<Real>& a) {
+  Tensor<Real> c;
+  for (int n = 0; n < 9; ++n) c.at[n / 3][n % 3] = factor * a.at[n / 3][n % 3];
+  return c;
+}
+
+template <class Real>
+[[gnu::always_inline]] inline Tensor<Real> sum(const Tensor<Real>& a, const Tensor<Real>& b) {
+  Tensor<Real> c;
+  for (int n = 0; n < 9; ++n) c.at[n / 3][n % 3] = a.at[n / 3][n % 3] + b.at[n / 3][n % 3];
   return c;
 }
 
@@ -65,7 +95,11 @@ template <class Real>
   return sum;
 }
 
-/// d2W/dF2, index 3 i + J in both directions.
+/// The same for algebra in plain code.
 using Tangent = Eigen::Matrix<double, 9, 9>;
+
+inline Tangent as_matrix(const BasicTangent<double>& tangent) {
+  return Eigen::Map<const Eigen::Matrix<double, 9, 9, Eigen::RowMajor>>(&tangent.at[0][0]);
+}
 
 }  // namespace couplet::solid
