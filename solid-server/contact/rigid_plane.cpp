@@ -101,6 +101,37 @@ PlaneContact::Total PlaneContact::total(const double* displacement) const {
   return {sum_of(energy), sum_of(force)};
 }
 
+void PlaneContact::stiffness(
+    const double* displacement,
+    const std::function<void(Index node_a, Index node_b, const Eigen::Matrix3d& block)>& take) const {
+  for (Index p = 0; p < faces_.n_packs; ++p) {
+    Pack y[n_face_points];
+    y_at_points(faces_, p, displacement, y);
+    if (!touches(y)) continue;
+    for (Index lane = 0; lane < std::min<Index>(n_lanes, faces_.n_faces - p * n_lanes); ++lane) {
+      Eigen::Matrix<double, n_nodes, n_nodes> C = Eigen::Matrix<double, n_nodes, n_nodes>::Zero();
+      for (int q = 0; q < n_face_points; ++q) {
+        double per_area = 0;
+        for (const RigidPlane& plane : planes_) per_area += y[q][lane] > plane.y ? plane.stiffness : 0;
+        if (per_area == 0) continue;
+        const auto N = Eigen::Map<const Eigen::Matrix<double, n_nodes, 1>>(faces_.shape[q]);
+        C += per_area * area_[static_cast<std::size_t>(p * n_face_points + q)].lane[lane] * N * N.transpose();
+      }
+      if (C.isZero(0)) continue;
+      const auto node = [&](int a) {
+        return faces_.node_start[static_cast<std::size_t>((p * n_nodes + a) * n_lanes + lane)] /
+               NodeVectors::ColsAtCompileTime;
+      };
+      for (int a = 0; a < n_nodes; ++a)
+        for (int b = 0; b < n_nodes; ++b) {
+          Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
+          block(1, 1) = C(a, b);
+          take(node(a), node(b), block);
+        }
+    }
+  }
+}
+
 Eigen::VectorXd PlaneContact::stiffness_bound(Index n_nodes_of_body) const {
   Eigen::VectorXd bound = Eigen::VectorXd::Zero(n_nodes_of_body);
   double stiffness = 0;

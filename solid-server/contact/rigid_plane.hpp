@@ -1,6 +1,8 @@
 #pragma once
 // A rigid, frictionless plane that the body cannot pass.
 
+#include <functional>
+
 #include "solid-server/element/face_packs.hpp"
 
 namespace couplet::solid {
@@ -33,6 +35,10 @@ class PlaneContact {
     double force = 0;   // of the planes on the body, positive when they push it down [N]
   };
   Total total(const double* displacement) const;
+
+  /// C_ab = - d f_a / d u_b = k N_a N_b dA along y, summed over the points beyond a plane, for pairs of nodes of a face.
+  void stiffness(const double* displacement,
+                 const std::function<void(Index node_a, Index node_b, const Eigen::Matrix3d& block)>& take) const;
 
   /// For each node, a bound on the sum of |d force_a / d y_b| over all b if the whole surface touched every plane
   /// [N/m].

@@ -29,8 +29,7 @@ CentralDifference::CentralDifference(NodalForce& force, NodeVectors inverse_mass
       team_(team),
       is_strain_damped_(damping.stiffness_factor > 0) {
   if (is_strain_damped_) strained_ = NodeVectors::Zero(inverse_mass_.rows(), 4);
-  std::stable_sort(kicks_.begin(), kicks_.end(),
-                   [](const KickVelocity& a, const KickVelocity& b) { return a.time < b.time; });
+  sort_kicks(kicks_);
   for (KickVelocity& kick : kicks_) kick.velocity.array() *= (inverse_mass_.array() > 0).cast<double>();
 }
 

@@ -92,4 +92,10 @@ void ExternalForce::write(int member, int n_members, const double* displacement,
   }
 }
 
+void ExternalForce::add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take) const {
+  for (const PressedSurface& surface : pressures_)
+    pressure_stiffness(surface.faces, surface.pressure(time), displacement, take);
+  if (!contact_.is_empty()) contact_.stiffness(displacement.data(), take);
+}
+
 }  // namespace couplet::solid

@@ -4,6 +4,7 @@
 #include "solid-server/assembly/force_part.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
 #include "solid-server/load/dead_load.hpp"
+#include "solid-server/load/pressure_stiffness.hpp"
 #include "solid-server/load/surface_pressure.hpp"
 #include "solid-server/mesh/wetted_surface.hpp"
 
@@ -32,6 +33,9 @@ class ExternalForce {
 
   /// The share of one member of a team. `displacement` is a NodeVectors array [m].
   void write(int member, int n_members, const double* displacement, double time, double fraction, StoredPack* buffer);
+
+  /// - d force / du of pressures and contact, for each pair of nodes.
+  void add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take) const;
 
   const PlaneContact& contact() const { return contact_; }
 

@@ -8,7 +8,8 @@
 
 namespace couplet::solid {
 
-/// Displacement, velocity and force at the same time: the complete state of the central difference method.
+/// Displacement, velocity and force at the same time: the complete state of the central difference method; with the
+/// acceleration that of implicit ones.
 struct Motion {
   double time = 0;                     // [s]
   NodeVectors displacement, velocity;  // (n_nodes, 4) [m] [m/s]
@@ -16,6 +17,8 @@ struct Motion {
   surface::NodeArray interface_force;  // (n wetted nodes, 3) [N]
   bool has_interface_force = false;    // false before the first step: its load is then taken as constant
   int n_kicks_done = 0;
+  NodeVectors acceleration;  // of implicit steps (n_nodes, 4) [m/s^2]; without rows: not known yet, or explicit
+  int n_halvings = 0;        // of the substep, after iterations that failed
 };
 
 /// Force per mass and velocity [1/s]: that of the body, and more of it until the body has settled. And force per
@@ -33,5 +36,11 @@ struct KickVelocity {
   double time = 0;       // [s]
   NodeVectors velocity;  // (n_nodes, 4) [m/s], zero where a support holds the node
 };
+
+/// Rising in time.
+inline void sort_kicks(std::vector<KickVelocity>& kicks) {
+  std::stable_sort(kicks.begin(), kicks.end(),
+                   [](const KickVelocity& a, const KickVelocity& b) { return a.time < b.time; });
+}
 
 }  // namespace couplet::solid

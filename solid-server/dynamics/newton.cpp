@@ -121,7 +121,8 @@ void Newton::remember(const NonlinearSystem& system, NodeVectors step, NodeVecto
   pairs_.push_back({std::move(step), std::move(change), product});
 }
 
-NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment) {
+NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment,
+                           bool is_solved_increment) {
   NewtonReport report;
   pairs_.clear();
   NodeVectors here = u, last_step = increment, whole = increment;
@@ -134,7 +135,7 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
   system.evaluate(here, r);
   if (r.inverted_element >= 0) return fail(NewtonOutcome::inverted_element, r.inverted_element);
 
-  double size_before = 0;  // |d| of the last iteration
+  double size_before = is_solved_increment ? increment.norm() : 0;  // |d| of the last iteration
   int n_growing = 0;
   for (;;) {
     const double allowed = control_.tolerance * r.scale, size_of_r = r.value.norm();

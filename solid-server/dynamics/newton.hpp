@@ -64,8 +64,10 @@ class Newton {
  public:
   explicit Newton(NewtonControl control) : control_(control) {}
 
-  /// From u, which was reached by `increment` from a solution (0: u is one). On failure u is left as it was.
-  NewtonReport solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment);
+  /// From u, which was reached by `increment` from a solution (0: u is one). When that increment came from the kept
+  /// factors (`is_solved_increment`), the first correction is compared with it. On failure u is left as it was.
+  NewtonReport solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment,
+                     bool is_solved_increment = false);
 
  private:
   struct Pair {
