@@ -12,8 +12,10 @@ void check_marker(const v1::MaterialPoint& point, const std::string& path, const
   std::vector<std::string> known;
   bool has_mesh = false;
   for (const v1::Body& body : solid.body()) {
-    has_mesh = has_mesh || body.mesh_case() != v1::Body::MESH_NOT_SET;
-    for (const std::string& name : marker_names(body)) known.push_back(name);
+    if (has_own_names(body)) return;
+    has_mesh = true;
+    for (const std::string& name : marker_names(body))
+      known.push_back(solid.body_size() == 1 ? name : body.name() + "/" + name);
   }
   if (!has_mesh || std::find(known.begin(), known.end(), point.marker()) != known.end()) return;
   review.complain(path + ".marker", "the mesh has no marker \"" + point.marker() + "\"; " +

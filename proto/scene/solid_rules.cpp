@@ -14,37 +14,112 @@ std::string entry(const std::string& list, int index) {
   return list + "[" + std::to_string(index) + "]";
 }
 
-void surface_exists(const std::string& name, const std::vector<std::string>& known, const std::string& path,
-                    Review& review) {
-  const bool is_unknown = !known.empty() && std::find(known.begin(), known.end(), name) == known.end();
-  if (is_unknown) {
-    review.complain(path, "the mesh has no surface \"" + name + "\"; " + suggestion(name, known, "it has"));
+void name_exists(const std::string& name, const std::string& kind, const std::vector<std::string>& known,
+                 const std::string& path, Review& review) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  review.complain(path, "the mesh has no " + kind + " \"" + name + "\"; " +
+                            (known.empty() ? "it names none" : suggestion(name, known, "it has")));
+}
+
+/// What a body's own fields may name; nothing is checked where only the mesh file knows.
+struct KnownNames {
+  std::vector<std::string> surfaces, sets, nodes;  // sets: surfaces and node sets; nodes: markers too
+  bool are_unknown = false;
+};
+
+KnownNames names_of(const v1::Body& body) {
+  const auto joined = [](std::vector<std::string> names, const std::vector<std::string>& more) {
+    names.insert(names.end(), more.begin(), more.end());
+    return names;
+  };
+  KnownNames names{surface_names(body), joined(surface_names(body), node_set_names(body)), {}, has_own_names(body)};
+  names.nodes = joined(names.sets, marker_names(body));
+  return names;
+}
+
+/// What fields outside the bodies may name: BODY/NAME with several bodies.
+KnownNames names_of(const v1::Solid& solid) {
+  if (solid.body_size() == 1) return names_of(solid.body(0));
+  KnownNames all;
+  for (const v1::Body& body : solid.body()) {
+    const KnownNames own = names_of(body);
+    all.are_unknown = all.are_unknown || own.are_unknown;
+    for (const std::string& name : own.surfaces) all.surfaces.push_back(body.name() + "/" + name);
+    for (const std::string& name : own.nodes) all.nodes.push_back(body.name() + "/" + name);
   }
+  return all;
 }
 
 void surfaces_exist(const v1::Body& body, const std::string& path, Review& review) {
-  const std::vector<std::string> known = surface_names(body);
-  for (int i = 0; i < body.fixed_size(); ++i) {
-    surface_exists(body.fixed(i), known, entry(path + ".fixed", i), review);
-  }
-  for (int i = 0; i < body.wetted_size(); ++i) {
-    surface_exists(body.wetted(i), known, entry(path + ".wetted", i), review);
-  }
-  for (int i = 0; i < body.symmetry_size(); ++i) {
-    if (!body.symmetry(i).has_surface()) continue;
-    surface_exists(body.symmetry(i).surface(), known, entry(path + ".symmetry", i) + ".surface", review);
-  }
+  const KnownNames known = names_of(body);
+  if (known.are_unknown) return;
+  for (int i = 0; i < body.fixed_size(); ++i)
+    name_exists(body.fixed(i), "surface", known.sets, entry(path + ".fixed", i), review);
+  for (int i = 0; i < body.wetted_size(); ++i)
+    name_exists(body.wetted(i), "surface", known.surfaces, entry(path + ".wetted", i), review);
+  for (int i = 0; i < body.symmetry_size(); ++i)
+    if (body.symmetry(i).has_surface())
+      name_exists(body.symmetry(i).surface(), "surface", known.sets, entry(path + ".symmetry", i) + ".surface", review);
 }
 
-void loaded_surfaces_exist(const v1::Solid& solid, Review& review) {
-  std::vector<std::string> known;
-  for (const v1::Body& body : solid.body()) {
-    for (const std::string& name : surface_names(body)) known.push_back(name);
+void loaded_names_exist(const v1::Solid& solid, Review& review) {
+  const KnownNames known = names_of(solid);
+  if (known.are_unknown) return;
+  const auto surface = [&](bool is_given, const std::string& name, const std::string& path) {
+    if (is_given) name_exists(name, "surface", known.surfaces, path, review);
+  };
+  const auto nodes = [&](bool is_given, const std::string& name, const std::string& path) {
+    if (is_given) name_exists(name, "surface, node set or marker", known.nodes, path, review);
+  };
+  for (int i = 0; i < solid.pressure_size(); ++i)
+    surface(solid.pressure(i).has_surface(), solid.pressure(i).surface(), entry("solid.pressure", i) + ".surface");
+  for (int i = 0; i < solid.traction_size(); ++i)
+    surface(solid.traction(i).has_surface(), solid.traction(i).surface(), entry("solid.traction", i) + ".surface");
+  for (int i = 0; i < solid.contact_size(); ++i) {
+    surface(solid.contact(i).has_first(), solid.contact(i).first(), entry("solid.contact", i) + ".first");
+    surface(solid.contact(i).has_second(), solid.contact(i).second(), entry("solid.contact", i) + ".second");
   }
-  for (int i = 0; i < solid.pressure_size(); ++i) {
-    if (!solid.pressure(i).has_surface()) continue;
-    surface_exists(solid.pressure(i).surface(), known, entry("solid.pressure", i) + ".surface", review);
-  }
+  for (int i = 0; i < solid.rigid_plane_size(); ++i)
+    for (int j = 0; j < solid.rigid_plane(i).surface_size(); ++j)
+      surface(true, solid.rigid_plane(i).surface(j), entry(entry("solid.rigid_plane", i) + ".surface", j));
+  for (int i = 0; i < solid.orifice_size(); ++i)
+    for (int j = 0; j < solid.orifice(i).surface_size(); ++j)
+      surface(true, solid.orifice(i).surface(j), entry(entry("solid.orifice", i) + ".surface", j));
+  for (int i = 0; i < solid.node_force_size(); ++i)
+    nodes(solid.node_force(i).has_nodes(), solid.node_force(i).nodes(), entry("solid.node_force", i) + ".nodes");
+  for (int i = 0; i < solid.prescribed_motion_size(); ++i)
+    nodes(solid.prescribed_motion(i).has_nodes(), solid.prescribed_motion(i).nodes(),
+          entry("solid.prescribed_motion", i) + ".nodes");
+}
+
+void regions_exist(const v1::Body& body, const std::string& path, Review& review) {
+  if (!body.has_material() && body.region_size() == 0)
+    review.complain_missing(path + ".material", "is missing; give what the body is made of");
+  if (has_own_names(body)) return;
+  const std::vector<std::string> known = region_names(body);
+  for (int i = 0; i < body.region_size(); ++i)
+    if (body.region(i).has_name())
+      name_exists(body.region(i).name(), "region", known, entry(path + ".region", i) + ".name", review);
+}
+
+/// Laws with fibres know what they need, near-incompressible elements too.
+void material_fits(const v1::Material& material, const std::string& path, bool has_fibres, bool is_averaged,
+                   Review& review) {
+  const bool needs_fibres = material.has_holzapfel_gasser_ogden() || material.has_may_newman();
+  if (needs_fibres && !has_fibres)
+    review.complain(path, "the law has fibres, but the body does not say where they run; give fibres { ... }");
+  if (is_averaged && material.has_saint_venant_kirchhoff())
+    review.complain(path + ".saint_venant_kirchhoff",
+                    "has no volumetric part that near_incompressible could average; use neo_hookean or mooney_rivlin");
+}
+
+void materials_fit(const v1::Body& body, const std::string& path, Review& review) {
+  const bool has_fibres = body.has_fibres() || body.has_valve();
+  if (body.has_material())
+    material_fits(body.material(), path + ".material", has_fibres, body.near_incompressible(), review);
+  for (int i = 0; i < body.region_size(); ++i)
+    material_fits(body.region(i).material(), entry(path + ".region", i) + ".material",
+                  has_fibres || body.region(i).has_fibres(), body.near_incompressible(), review);
 }
 
 void body_names_differ(const v1::Solid& solid, Review& review) {
@@ -59,8 +134,19 @@ void body_names_differ(const v1::Solid& solid, Review& review) {
 void quadrature_exists(const v1::Body& body, const std::string& path, Review& review) {
   const int n_points = body.points_per_element();
   const bool is_within_limits = n_points >= 8 && n_points <= 27;
-  if (!is_within_limits || n_points == 8 || n_points == 14 || n_points == 27) return;
+  if (!body.has_points_per_element() || !is_within_limits || n_points == 8 || n_points == 14 || n_points == 27) return;
   review.complain(path + ".points_per_element", std::to_string(n_points) + " is not 8, 14 or 27; choose 8, 14 or 27");
+}
+
+void wall_has_a_thickness(const v1::Body& body, const std::string& path, Review& review) {
+  const auto check = [&](const auto& mesh, const std::string& name) {
+    if (!mesh.has_inner_radius() || !mesh.has_outer_radius() || mesh.inner_radius() < mesh.outer_radius()) return;
+    review.complain(path + "." + name + ".outer_radius",
+                    number_text(mesh.outer_radius()) + " m is not above the inner radius, " +
+                        number_text(mesh.inner_radius()) + " m; give a larger one");
+  };
+  if (body.has_annulus()) check(body.annulus(), "annulus");
+  if (body.has_hollow_sphere()) check(body.hollow_sphere(), "hollow_sphere");
 }
 
 void half_has_whole_elements(const v1::VocalFoldMesh& fold, const std::string& path, Review& review) {
@@ -114,11 +200,14 @@ void check_solid_rules(const v1::Scene& scene, Review& review) {
     const std::string path = entry("solid.body", i);
     surfaces_exist(body, path, review);
     quadrature_exists(body, path, review);
+    regions_exist(body, path, review);
+    materials_fit(body, path, review);
+    wall_has_a_thickness(body, path, review);
     if (!body.has_vocal_fold()) continue;
     half_has_whole_elements(body.vocal_fold(), path + ".vocal_fold", review);
     section_exists(body.vocal_fold(), path + ".vocal_fold", review);
   }
-  loaded_surfaces_exist(solid, review);
+  loaded_names_exist(solid, review);
   body_names_differ(solid, review);
 }
 

@@ -4,11 +4,11 @@
 #include <memory>
 #include <vector>
 
+#include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/support/free_components.hpp"
 
 namespace couplet::solid {
 
-struct BlockProperties;
 class WorkTeam;
 
 /// A = stiffness * K(u) + mass * M: (1, 0) is the static tangent, (1, -omega^2) the one shifted to a frequency.
@@ -24,18 +24,18 @@ struct TangentCost {
 };
 
 /// K(u) = d2(strain energy)/du2 is minus the derivative of the internal force, with geometric stiffness; M is the
-/// consistent mass. Both act on the free components only: held ones are 0 in every result and ignored in every argument.
-/// Vectors are (n_nodes, 4), x, y, z, 0.
+/// consistent mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
+/// them in its argument, while `multiply` and `mass_times` do: so a prescribed motion acts on the free components.
 ///
-/// The order of calls: assemble, any number of add, factorise, any number of solve. A solve uses the factors of the last
-/// factorise, whatever has been assembled since: a Newton iteration may keep old factors, also as a preconditioner for
-/// `multiply`, which uses the matrix as it is assembled now.
+/// The order of calls: assemble, any number of add, factorise, any number of solve. A solve uses the factors of the
+/// last factorise, whatever has been assembled since: a Newton iteration may keep old factors, also as a preconditioner
+/// for `multiply`, which uses the matrix as it is assembled now.
 ///
 /// Results do not depend on the number of members of the team, to the last bit.
 class TangentSolver {
  public:
-  /// The pattern of the matrix and the order of elimination are found here, once. Throws SceneError when no component is
-  /// free, NumericsError when memory is not enough.
+  /// The pattern of the matrix and the order of elimination are found here, once. Throws SceneError when no component
+  /// is free, NumericsError when memory is not enough.
   TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, const FreeComponents& free,
                 WorkTeam& team);
   ~TangentSolver();
@@ -53,7 +53,8 @@ class TangentSolver {
 
   /// Adds the symmetric part of a contribution C (follower load, contact): call it for every pair of nodes (a, b) whose
   /// block C_ab = - d f_a / d u_b, times the stiffness weight, is not zero, (a, b) and (b, a) separately;
-  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements; the pattern then grows by itself.
+  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements; the pattern then grows by
+  /// itself.
   void add(Index node_a, Index node_b, const Eigen::Matrix3d& block);
 
   /// L L^T, or L D L^T when the matrix is not positive definite. Throws NumericsError when the matrix has an entry that

@@ -4,6 +4,8 @@
 #include <concepts>
 #include <variant>
 
+#include "solid-server/material/holzapfel_gasser_ogden.hpp"
+#include "solid-server/material/may_newman.hpp"
 #include "solid-server/material/mooney_rivlin.hpp"
 #include "solid-server/material/neo_hookean.hpp"
 #include "solid-server/material/pack.hpp"
@@ -80,8 +82,10 @@ concept HyperelasticMaterial = (M::is_anisotropic ? AnisotropicMaterial<M> : Iso
 static_assert(HyperelasticMaterial<SaintVenantKirchhoff>);
 static_assert(HyperelasticMaterial<NeoHookean>);
 static_assert(HyperelasticMaterial<MooneyRivlin>);
+static_assert(HyperelasticMaterial<HolzapfelGasserOgden>);
+static_assert(HyperelasticMaterial<MayNewman>);
 
-using Material = std::variant<SaintVenantKirchhoff, NeoHookean, MooneyRivlin>;
+using Material = std::variant<SaintVenantKirchhoff, NeoHookean, MooneyRivlin, HolzapfelGasserOgden, MayNewman>;
 
 /// The answers of any law; `axes` are read by anisotropic laws only and may be left unset for others.
 template <HyperelasticMaterial Law, class Real>

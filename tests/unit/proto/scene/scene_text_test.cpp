@@ -151,7 +151,7 @@ TEST(SceneText, RefusesTwoMembersOfOneChoice) {
           "scene.txtpb:23:21: solid.body[0].material.mooney_rivlin.a01: is missing; give it in Pa",
           "scene.txtpb:23:21: solid.body[0].material.mooney_rivlin.bulk_modulus: is missing; give it in Pa",
           "scene.txtpb:24:7: solid.body[0].material.saint_venant_kirchhoff: contradicts mooney_rivlin in line 23; give "
-          "only one of saint_venant_kirchhoff or mooney_rivlin"));
+          "only one of saint_venant_kirchhoff, mooney_rivlin, neo_hookean, holzapfel_gasser_ogden or may_newman"));
 }
 
 TEST(SceneText, RefusesAUnitBehindANumber) {
