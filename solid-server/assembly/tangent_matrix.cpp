@@ -79,7 +79,8 @@ void TangentMatrix::add_mass(const SolidMesh& mesh, const ElementBlock& elements
   }
 }
 
-Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness, double mass) {
+Index TangentMatrix::assemble(const NodeVectors& displacement, const NodeVectors* increment, double stiffness,
+                              double mass) {
   std::atomic<Index> inverted{-1};
   team_.run([&](int member) {
     const auto pairs = share_of(pairs_.n_pairs(), member, team_.n_members());
@@ -93,7 +94,8 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness,
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
         const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)]);
+                                           displacement.data(), increment ? increment->data() : nullptr,
+                                           &buffer_[at(packs.first) * at(values_per_pack)]);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();

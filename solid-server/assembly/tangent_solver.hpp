@@ -69,6 +69,7 @@ class TangentSolver {
 
   NodeVectors multiply(const NodeVectors& vector) const;    // A x
   NodeVectors mass_times(const NodeVectors& vector) const;  // M x
+  NodeVectors mass_times_on_all(const NodeVectors& vector) const;  // M x with its held components: inertia on supports
 
   Index n_free() const;  // components
   const TangentCost& cost() const;

@@ -7,16 +7,6 @@
 
 namespace couplet::solid {
 
-namespace {
-
-std::vector<double> densities(const std::vector<BlockProperties>& properties) {
-  std::vector<double> density;
-  for (const BlockProperties& block : properties) density.push_back(block.density);
-  return density;
-}
-
-}  // namespace
-
 BodyEquations::BodyEquations(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
                              const FreeComponents& free, HeldMotion held, NodalForce& force, WorkTeam& team)
     : mesh_(mesh),
@@ -25,7 +15,6 @@ BodyEquations::BodyEquations(const SolidMesh& mesh, const std::vector<BlockPrope
       held_(std::move(held)),
       is_free_(NodeVectors::Zero(mesh.n_nodes(), 4)),
       length_((mesh.node_position.colwise().maxCoeff() - mesh.node_position.colwise().minCoeff()).maxCoeff()),
-      mass_(mesh, densities(properties)),
       tangent_(std::make_unique<TangentSolver>(mesh, properties, free, team)) {
   is_free_.leftCols<3>() = free.cast<double>().matrix();
 }
@@ -71,7 +60,7 @@ double BodyEquations::factorisation_cost() const {
 }
 
 std::size_t BodyEquations::memory_bytes() const {
-  return tangent_->memory_bytes() + mass_.memory_bytes() +
+  return tangent_->memory_bytes() +
          static_cast<std::size_t>(is_free_.size()) * sizeof(double) * 4;  // with the three arrays of the origin
 }
 

@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include "solid-server/assembly/consistent_mass.hpp"
 #include "solid-server/assembly/tangent_solver.hpp"
 #include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/dynamics/work_team.hpp"
@@ -27,7 +26,8 @@ class BodyEquations {
                 HeldMotion held, NodalForce& force, WorkTeam& team);
 
   const SolidMesh& mesh() const { return mesh_; }
-  const ConsistentMass& mass() const { return mass_; }
+  NodeVectors mass_times(const NodeVectors& vector) const { return tangent_->mass_times_on_all(vector); }
+  double kinetic_energy(const NodeVectors& velocity) const { return mass_times(velocity).cwiseProduct(velocity).sum() / 2; }
   const HeldMotion& held() const { return held_; }
   NodalForce& force() { return force_; }
   double length() const { return length_; }  // the longest side of the box around the body [m]
@@ -66,7 +66,6 @@ class BodyEquations {
   HeldMotion held_;
   NodeVectors is_free_;  // 1 or 0 (n_nodes, 4)
   double length_;
-  ConsistentMass mass_;
   std::unique_ptr<TangentSolver> tangent_;
   std::shared_ptr<const FactorOrigin> origin_;  // null: no factors
 };

@@ -187,7 +187,7 @@ void GeneralizedAlpha::evaluate(const NodeVectors& u, Residual& residual) {
   const NodeVectors a_m = (1 - alpha_m_) * end.a + alpha_m_ * start_->acceleration;
   NodeVectors force;
   residual.inverted_element = body_->forces(strained(u_f, v_f), u_f, moment_, force);
-  const NodeVectors inertia = body_->mass().times(a_m + mass_damping_ * v_f);
+  const NodeVectors inertia = body_->mass_times(a_m + mass_damping_ * v_f);
   residual.value = body_->free_part(force - inertia);
   residual.scale =
       std::max({external_size_, body_->free_part(inertia).norm(), body_->held_part(force - inertia).norm()});
@@ -217,7 +217,7 @@ Index GeneralizedAlpha::factorise(const NodeVectors& u, const NodeVectors& incre
 NodeVectors GeneralizedAlpha::support_force(const Motion& motion) const {
   NodeVectors inertia = NodeVectors::Zero(motion.force.rows(), 4);
   if (motion.acceleration.rows() > 0)
-    inertia = body_->mass().times(motion.acceleration + damping_.at(motion.time) * motion.velocity);
+    inertia = body_->mass_times(motion.acceleration + damping_.at(motion.time) * motion.velocity);
   return body_->held_part(inertia - motion.force);
 }
 

@@ -31,7 +31,7 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
                    ImplicitControl control);
 
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
-  double kinetic_energy(const Motion& motion) const override { return body_->mass().kinetic_energy(motion.velocity); }
+  double kinetic_energy(const Motion& motion) const override { return body_->kinetic_energy(motion.velocity); }
   NodeVectors support_force(const Motion& motion) const override;
   std::shared_ptr<const FactorOrigin> factor_origin() const override { return body_->shared_origin(); }
   void restore_factors(const FactorOrigin& origin) override { body_->factorise(origin); }
