@@ -112,6 +112,10 @@ NodeVectors TangentSolver::mass_times_on_all(const NodeVectors& vector) const {
   return parts_->matrix.mass_times(vector);
 }
 
+const FreeComponents& TangentSolver::free() const {
+  return parts_->free;
+}
+
 Index TangentSolver::n_free() const {
   return parts_->factors->n_unknowns();
 }

@@ -13,18 +13,18 @@ using ContactPositions = std::vector<NodeQuad>;  // (n contact nodes) [m]
 
 struct ContactFace {
   FaceShape shape = FaceShape::quadrilateral8;
-  std::array<Index, max_face_nodes> node{};       // contact nodes; 0 where the shape has none
-  std::array<bool, 4> is_open_edge{};             // the region ends there: no second face of it has this edge
-  std::array<bool, 4> is_open_corner{};           // at the end of an open edge
+  std::array<Index, max_face_nodes> node{};  // contact nodes; 0 where the shape has none
+  std::array<bool, 4> is_open_edge{};        // the region ends there: no second face of it has this edge
+  std::array<bool, 4> is_open_corner{};      // at the end of an open edge
 
   CurvedFace curved(const ContactPositions& x) const;
 };
 
 /// A point that is kept from passing through the faces of another region: a quadrature point of a face.
 struct ContactPoint {
-  Index face = 0;                                 // of its own region
-  std::array<double, max_face_nodes> shape{};     // N_a there
-  double area = 0;                                // that it stands for, at rest [m^2]
+  Index face = 0;                              // of its own region
+  std::array<double, max_face_nodes> shape{};  // N_a there
+  double area = 0;                             // that it stands for, at rest [m^2]
 };
 
 struct ContactRegion {

@@ -106,8 +106,8 @@ bool ContactSearch::is_due(const ContactRegion& points, const ContactRegion& fac
   const Motion of_points = motion_of(points, searched_, x);
   if (&points == &faces) return !(2 * largest_shape_sum * of_points.deviation <= slack_);
   const Motion of_faces = motion_of(faces, searched_, x);
-  const double closer = length(of_points.mean - of_faces.mean) +
-                        largest_shape_sum * (of_points.deviation + of_faces.deviation);
+  const double closer =
+      length(of_points.mean - of_faces.mean) + largest_shape_sum * (of_points.deviation + of_faces.deviation);
   return !(closer <= slack_);
 }
 

@@ -320,7 +320,8 @@ Eigen::VectorXd SurfaceContact::stiffness_bound(Index n_nodes_of_mesh) const {
     const auto add = [&](const ContactRegion& region, const ContactPoint& point, double area) {
       const double factor = 2 * side.stiffness * area * shape_sum(point.shape);
       const ContactFace& face = region.face[at(point.face)];
-      for (std::size_t a = 0; a < max_face_nodes; ++a) bound[node_[at(face.node[a])]] += factor * std::abs(point.shape[a]);
+      for (std::size_t a = 0; a < max_face_nodes; ++a)
+        bound[node_[at(face.node[a])]] += factor * std::abs(point.shape[a]);
     };
     double largest_area = 0;
     for (const ContactPoint& point : region_[side.points].point) {
@@ -346,8 +347,7 @@ long SurfaceContact::n_searches() const {
 
 std::size_t SurfaceContact::memory_bytes() const {
   std::size_t bytes = (rest_.size() + x_.size()) * sizeof(NodeQuad);
-  for (const Side& side : sides_)
-    bytes += side.touch.capacity() * sizeof(Touch) + 2 * rest_.size() * sizeof(NodeQuad);
+  for (const Side& side : sides_) bytes += side.touch.capacity() * sizeof(Touch) + 2 * rest_.size() * sizeof(NodeQuad);
   for (const ContactRegion& region : region_)
     bytes += region.face.size() * sizeof(ContactFace) + region.point.size() * sizeof(ContactPoint);
   return bytes;

@@ -84,7 +84,8 @@ class SurfaceContact {
     double stiffness;
   };
   std::vector<StiffnessTerm> stiffness(const double* displacement);
-  /// Pairs (a < b) of nodes of the mesh that may be coupled by contact as long as n_searches() stays the same, each once.
+  /// Pairs (a < b) of nodes of the mesh that may be coupled by contact as long as n_searches() stays the same, each
+  /// once.
   std::vector<std::pair<Index, Index>> coupled_nodes(const double* displacement);
 
   /// For each node of a mesh of n_nodes a number b_a [N/m] such that u.K u <= sum of b_a |u_a|^2 for the stiffness K of

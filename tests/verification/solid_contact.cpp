@@ -27,9 +27,14 @@ SolidMesh stack(int n_below, int n_above) {
 /// Newton for the stack with symmetry planes x = 0, y = 0, z = 0, its top moved down by `drop` in one step; dense, for
 /// few nodes. (n_nodes, 4) [m].
 NodeVectors press(const SolidMesh& mesh, const Material& material, SurfaceContact& contact, double drop) {
-  const NodeVectors free = inverse_mass(
-      mesh, Eigen::VectorXd::Ones(mesh.n_nodes()),
-      {{}, {{"below/x_min", 0}, {"above/x_min", 0}, {"below/y_min", 1}, {"above/y_min", 1}, {"below/z_min", 2}, {"above/z_max", 2}}});
+  const NodeVectors free = inverse_mass(mesh, Eigen::VectorXd::Ones(mesh.n_nodes()),
+                                        {{},
+                                         {{"below/x_min", 0},
+                                          {"above/x_min", 0},
+                                          {"below/y_min", 1},
+                                          {"above/y_min", 1},
+                                          {"below/z_min", 2},
+                                          {"above/z_max", 2}}});
   NodeVectors u = NodeVectors::Zero(mesh.n_nodes(), 4);
   u.col(2) = -drop * mesh.node_position.col(2);
   for (int step = 0; step < 30; ++step) {
@@ -90,7 +95,8 @@ StressRange stress_range(const SolidMesh& mesh, const SaintVenantKirchhoff& mate
 }
 
 TEST(ContactPatch, UniformStress) {
-  for (const auto& [n_below, n_above] : {std::pair(2, 2), std::pair(2, 3), std::pair(3, 2), std::pair(1, 3), std::pair(4,3)})
+  for (const auto& [n_below, n_above] :
+       {std::pair(2, 2), std::pair(2, 3), std::pair(3, 2), std::pair(1, 3), std::pair(4, 3)})
     for (const bool is_symmetric : {true, false}) {
       const SolidMesh mesh = stack(n_below, n_above);
       SurfaceContact contact(mesh, {{"above/z_min", "below/z_max", 10 * 15e3 / 0.5, 0.01, 0.2, is_symmetric}});

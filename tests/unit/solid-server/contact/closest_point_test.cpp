@@ -25,8 +25,8 @@ Nodes random_face(FaceShape shape, std::mt19937& random) {
   const int n_corners = n_corners_of(shape);
   for (int a = 0; a < n_nodes_of(shape); ++a) {
     const FaceCoordinates at = a < n_corners ? on_edge(shape, a, -1) : on_edge(shape, a - n_corners, 0);
-    nodes[static_cast<std::size_t>(a)] = NodeQuad{at.x() + 0.3 * at.y() + move(random), at.y() + move(random),
-                                                  0.2 * at.x() + move(random), 0};
+    nodes[static_cast<std::size_t>(a)] =
+        NodeQuad{at.x() + 0.3 * at.y() + move(random), at.y() + move(random), 0.2 * at.x() + move(random), 0};
   }
   return nodes;
 }

@@ -230,7 +230,8 @@ TEST(SurfaceContact, StiffnessIsTheDerivativeOfTheForceWhereTheGapIsSmall) {
     NodeVectors more = at;
     more(b, 2) += h;
     const NodeVectors change = (force_at(contact, more) - force) / h;
-    for (Index a = 0; a < mesh.n_nodes(); ++a) error = std::max(error, std::abs(change(a, 2) + K(3 * a + 2, 3 * b + 2)));
+    for (Index a = 0; a < mesh.n_nodes(); ++a)
+      error = std::max(error, std::abs(change(a, 2) + K(3 * a + 2, 3 * b + 2)));
   }
   EXPECT_LT(error, 1e-5 * scale);  // round-off of forces k A gap 1e-16 / h: 1e-8; coordinates 1e-16 / h: 1e-7
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues().minCoeff(), -1e-12 * scale);
