@@ -94,8 +94,8 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, const NodeVectors
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
         const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                                           displacement.data(), increment ? increment->data() : nullptr,
-                                           &buffer_[at(packs.first) * at(values_per_pack)]);
+                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)],
+                                           increment ? increment->data() : nullptr);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();

@@ -39,18 +39,19 @@ double BodyEquations::external_size(const NodeVectors& displacement, const Momen
   return free_part(force_.all(displacement, moment) - force_.internal_only(displacement)).norm();
 }
 
-Index BodyEquations::factorise(FactorOrigin origin) {
+Index BodyEquations::factorise(std::shared_ptr<const FactorOrigin> origin) {
+  if (origin == origin_) return -1;
   origin_.reset();
-  const NodeVectors* const increment = origin.increment.rows() > 0 ? &origin.increment : nullptr;
-  if (const Index inverted = tangent_->assemble(origin.strained, origin.weights, increment); inverted >= 0)
+  const NodeVectors* const increment = origin->increment.rows() > 0 ? &origin->increment : nullptr;
+  if (const Index inverted = tangent_->assemble(origin->strained, origin->weights, increment); inverted >= 0)
     return inverted;
-  if (origin.external_stiffness != 0)
-    force_.external().add_stiffness(origin.displacement, origin.time,
+  if (origin->external_stiffness != 0)
+    force_.external().add_stiffness(origin->displacement, origin->time,
                                     [&](Index a, Index b, const Eigen::Matrix3d& block) {
-                                      tangent_->add(a, b, origin.external_stiffness * block);
+                                      tangent_->add(a, b, origin->external_stiffness * block);
                                     });
   tangent_->factorise();
-  origin_ = std::make_shared<const FactorOrigin>(std::move(origin));
+  origin_ = std::move(origin);
   return -1;
 }
 

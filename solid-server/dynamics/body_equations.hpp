@@ -42,14 +42,12 @@ class BodyEquations {
   NodeVectors free_part(const NodeVectors& vector) const { return vector.cwiseProduct(is_free_); }
   NodeVectors held_part(const NodeVectors& vector) const { return vector - free_part(vector); }
 
-  /// Factors of weights.stiffness K + weights.mass M + external_stiffness (- d external / du). Returns the first inverted
-  /// element or -1; there are no factors then. Throws NumericsError when the matrix is singular.
-  Index factorise(FactorOrigin origin);
-  bool has_factors() const { return origin_ != nullptr; }
+  /// Factors of weights.stiffness K + weights.mass M + external_stiffness (- d external / du), unless they are there
+  /// already. Returns the first inverted element or -1; there are no factors then. Throws NumericsError when the matrix
+  /// is singular.
+  Index factorise(std::shared_ptr<const FactorOrigin> origin);
   void forget_factors() { origin_.reset(); }
-  const FactorOrigin& origin() const { return *origin_; }
-  /// Shared since it never changes: by this body, the accepted state and a checkpoint, without a copy in every step.
-  std::shared_ptr<const FactorOrigin> shared_origin() const { return origin_; }
+  const std::shared_ptr<const FactorOrigin>& origin() const { return origin_; }  // null: no factors
   NodeVectors solve(const NodeVectors& rhs) const { return tangent_->solve(rhs); }
   int n_negative_pivots() const { return tangent_->n_negative_pivots(); }
 

@@ -11,6 +11,20 @@ namespace {
 
 constexpr int n_halvings_most = 6;
 
+bool are_equal(const FactorOrigin& a, const FactorOrigin& b) {
+  return a.time == b.time && a.external_stiffness == b.external_stiffness &&
+         a.weights.stiffness == b.weights.stiffness && a.weights.mass == b.weights.mass && a.strained == b.strained &&
+         a.displacement == b.displacement && a.increment == b.increment;
+}
+
+/// After one more step: the factors are worn when it cost more than a step has cost on average, themselves included.
+KeptFactors served(KeptFactors factors, int n_iterations, double cost) {
+  ++factors.n_steps;
+  factors.n_iterations += n_iterations;
+  factors.are_worn = n_iterations > (cost + factors.n_iterations) / factors.n_steps;
+  return factors;
+}
+
 }  // namespace
 
 GeneralizedAlpha::GeneralizedAlpha(std::unique_ptr<BodyEquations> body, Damping damping,
@@ -29,16 +43,10 @@ StepWork GeneralizedAlpha::advance(const Motion& from, double duration, const su
                                    Motion& to) {
   body_->force().external().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
                                                interface_force);
-  const bool is_repeated = from.time == repeated_from_ && duration == repeated_duration_;
-  if (!is_repeated) repeated_end_.resize(0, 4);
-  repeated_from_ = from.time, repeated_duration_ = duration;
 
   to = from;
   if (to.acceleration.rows() == 0) find_acceleration(to, 0);
-  const int n_wanted =
-      control_.largest_substep > 0
-          ? std::max(1, static_cast<int>(std::ceil(duration / control_.largest_substep * (1 - 1e-12))))
-          : 1;
+  const int n_wanted = control_.largest_substep > 0 ? n_equal_steps(duration, control_.largest_substep) : 1;
   const long n_ticks = static_cast<long>(n_wanted) << n_halvings_most;  // of the shortest substep
   StepWork work;
   int n_successes = 0;
@@ -64,7 +72,6 @@ StepWork GeneralizedAlpha::advance(const Motion& from, double duration, const su
   to.time = from.time + duration;
   to.interface_force = interface_force;
   to.has_interface_force = true;
-  repeated_end_ = work.n_substeps == 1 ? to.displacement : NodeVectors(0, 4);
   return work;
 }
 
@@ -80,10 +87,15 @@ bool GeneralizedAlpha::substep(Motion& motion, double h, double fraction_start, 
   set_up_substep(start, h, fraction_start, fraction_end);
 
   Newton newton(control_.newton);
+  NewtonReport report;
+  bool are_new = false;
   const auto solve_from = [&](NodeVectors& u) {
     body_->held().hold(begin + h, u);
-    const NodeVectors increment = u - start.displacement;
-    const NewtonReport report = newton.solve(*this, u, increment);
+    are_new = prepare_factors(start, u);
+    work.n_factorisations += are_new;
+    report = newton.solve(*this, u, u - start.displacement,
+                          are_new ? Newton::Factors::of_this_start : Newton::Factors::unknown);
+    are_new = are_new || report.n_factorisations > 0;
     work.n_iterations += report.n_iterations;
     work.n_factorisations += report.n_factorisations;
     work.residual = std::max(work.residual, report.has_converged() ? report.residual : 0);
@@ -93,9 +105,7 @@ bool GeneralizedAlpha::substep(Motion& motion, double h, double fraction_start, 
                     : report.sentence();
     return report.has_converged();
   };
-  NodeVectors u = repeated_end_.rows() > 0 && fraction_start == 0 && fraction_end == 1
-                      ? repeated_end_
-                      : NodeVectors(start.displacement + h * start.velocity + h * h / 2 * start.acceleration);
+  NodeVectors u = start.displacement + h * start.velocity + h * h / 2 * start.acceleration;
   bool is_solved = solve_from(u);
   if (!is_solved) {
     u = start.displacement;
@@ -109,6 +119,8 @@ bool GeneralizedAlpha::substep(Motion& motion, double h, double fraction_start, 
       motion.velocity.swap(end.v);
       motion.acceleration.swap(end.a);
       motion.time = begin + h;
+      motion.factors = served(are_new ? KeptFactors{body_->origin()} : start.factors, report.n_iterations,
+                              body_->factorisation_cost());
       return true;
     }
     why_not = body_->mesh().describe_element(inverted) + " at rest is turned inside out";
@@ -138,8 +150,8 @@ void GeneralizedAlpha::find_acceleration(Motion& motion, double fraction) {
   motion.acceleration = NodeVectors::Zero(force.rows(), 4);
   force = body_->free_part(force);
   if (!force.isZero(0)) {
-    FactorOrigin origin{motion.displacement, motion.displacement, NodeVectors(0, 4), motion.time, {0, 1}, 0};
-    body_->factorise(std::move(origin));
+    body_->factorise(std::make_shared<const FactorOrigin>(
+        FactorOrigin{motion.displacement, motion.displacement, NodeVectors(0, 4), motion.time, {0, 1}, 0}));
     motion.acceleration = body_->solve(force);
     body_->forget_factors();
   }
@@ -159,12 +171,21 @@ void GeneralizedAlpha::set_up_substep(const Motion& start, double h, double frac
     body_->held().hold_acceleration(end, h, held_acceleration_);
   }
   external_size_ = body_->external_size(start.displacement, moment_);
-  if (body_->has_factors()) {
-    const TangentWeights now = weights(), then = body_->origin().weights;
-    const auto differ = [](double a, double b) { return std::abs(a - b) > 1e-3 * std::abs(a); };
-    if (differ(now.mass, then.mass) || differ(now.stiffness, then.stiffness))
-      body_->forget_factors();  // of another length of step
+}
+
+/// The factors that the motion keeps, or new ones when they are worn or belong to another length of step. True: new.
+bool GeneralizedAlpha::prepare_factors(const Motion& motion, const NodeVectors& u) {
+  const auto& kept = motion.factors.origin;
+  const auto differ = [](double a, double b) { return std::abs(a - b) > 1e-3 * std::abs(a); };
+  const TangentWeights now = weights();
+  if (kept && !motion.factors.are_worn && !differ(now.mass, kept->weights.mass) &&
+      !differ(now.stiffness, kept->weights.stiffness)) {
+    body_->factorise(kept);
+    return false;
   }
+  auto origin = origin_at(u, u - start_->displacement);
+  if (!last_new_ || !are_equal(*last_new_, *origin)) last_new_ = origin;
+  return body_->factorise(last_new_) < 0;
 }
 
 GeneralizedAlpha::Kinematics GeneralizedAlpha::end_of_substep(const NodeVectors& u) const {
@@ -203,15 +224,17 @@ TangentWeights GeneralizedAlpha::weights() const {
           (1 - alpha_m_) / (beta_ * h_ * h_) + mass_damping_ * (1 - alpha_f_) * gamma_ / (beta_ * h_)};
 }
 
-bool GeneralizedAlpha::has_factors() const {
-  return body_->has_factors();
+Index GeneralizedAlpha::factorise(const NodeVectors& u, const NodeVectors& increment) {
+  return body_->factorise(origin_at(u, increment));
 }
 
-Index GeneralizedAlpha::factorise(const NodeVectors& u, const NodeVectors& increment) {
+std::shared_ptr<const FactorOrigin> GeneralizedAlpha::origin_at(const NodeVectors& u,
+                                                                const NodeVectors& increment) const {
   const Kinematics end = end_of_substep(u);
   const NodeVectors u_f = (1 - alpha_f_) * end.u + alpha_f_ * start_->displacement;
   const NodeVectors v_f = (1 - alpha_f_) * end.v + alpha_f_ * start_->velocity;
-  return body_->factorise({strained(u_f, v_f), u_f, strained_share() * increment, moment_.time, weights(), 1 - alpha_f_});
+  return std::make_shared<const FactorOrigin>(
+      FactorOrigin{strained(u_f, v_f), u_f, strained_share() * increment, moment_.time, weights(), 1 - alpha_f_});
 }
 
 NodeVectors GeneralizedAlpha::support_force(const Motion& motion) const {

@@ -23,8 +23,11 @@ struct ImplicitControl {
 ///
 /// The accelerations at the start, and after a kick of a body with damping by stiffness, solve the equation of motion.
 /// A step whose iteration fails is halved, at most six times; after two successes the steps grow again. Newton's method
-/// begins with the extrapolated motion; a step that is repeated from the same state (coupling iterations) begins where it
-/// ended before. Factors are kept over iterations and steps.
+/// begins with the extrapolated motion.
+///
+/// Factors are kept over iterations and steps, and renewed at the start of a step when the last step took more iterations
+/// than a step costs on average, the factors included. New ones belong to the extrapolated motion, which the interface
+/// force does not change: the coupling iterations of a step share them.
 class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
  public:
   GeneralizedAlpha(std::unique_ptr<BodyEquations> body, Damping damping, std::vector<KickVelocity> kicks,
@@ -33,8 +36,6 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
   double kinetic_energy(const Motion& motion) const override { return body_->kinetic_energy(motion.velocity); }
   NodeVectors support_force(const Motion& motion) const override;
-  std::shared_ptr<const FactorOrigin> factor_origin() const override { return body_->shared_origin(); }
-  void restore_factors(const FactorOrigin& origin) override { body_->factorise(origin); }
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }
 
@@ -47,7 +48,7 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
   // The equation of a substep, in the displacement at its end.
   void evaluate(const NodeVectors& u, Residual& residual) override;
   Index factorise(const NodeVectors& u, const NodeVectors& increment) override;
-  bool has_factors() const override;
+  bool has_factors() const override { return body_->origin() != nullptr; }
   NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve(rhs); }
   int n_negative_pivots() const override { return body_->n_negative_pivots(); }
   bool takes_full_steps() const override { return true; }
@@ -59,7 +60,9 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
   bool substep(Motion& motion, double h, double fraction_start, double fraction_end, StepWork& work,
                std::string& why_not);
   void set_up_substep(const Motion& motion, double h, double fraction_start, double fraction_end);
+  bool prepare_factors(const Motion& motion, const NodeVectors& u);
   Kinematics end_of_substep(const NodeVectors& u) const;
+  std::shared_ptr<const FactorOrigin> origin_at(const NodeVectors& u, const NodeVectors& increment) const;
   NodeVectors strained(const NodeVectors& u_f, const NodeVectors& v_f) const {
     return u_f + damping_.stiffness_factor * v_f;
   }
@@ -79,9 +82,7 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
   NodeVectors held_velocity_, held_acceleration_;  // of prescribed motions at the end; empty: none
   double external_size_ = 0;             // |external forces| [N]
 
-  // Where the last step ended that began at this time and lasted so long: the start of its repetition.
-  double repeated_from_ = 0, repeated_duration_ = -1;
-  NodeVectors repeated_end_;
+  std::shared_ptr<const FactorOrigin> last_new_;  // factors that prepare_factors made last
 };
 
 }  // namespace couplet::solid

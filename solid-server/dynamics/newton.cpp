@@ -122,7 +122,7 @@ void Newton::remember(const NonlinearSystem& system, NodeVectors step, NodeVecto
 }
 
 NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment,
-                           bool is_solved_increment) {
+                           Factors factors) {
   NewtonReport report;
   pairs_.clear();
   NodeVectors here = u, last_step = increment, whole = increment;
@@ -135,7 +135,7 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
   system.evaluate(here, r);
   if (r.inverted_element >= 0) return fail(NewtonOutcome::inverted_element, r.inverted_element);
 
-  double size_before = is_solved_increment ? increment.norm() : 0;  // |d| of the last iteration
+  double size_before = factors == Factors::of_the_increment ? increment.norm() : 0;  // |d| of the last iteration
   int n_growing = 0;
   for (;;) {
     const double allowed = control_.tolerance * r.scale, size_of_r = r.value.norm();
@@ -168,7 +168,8 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
 
     Step step(system, here, d);
     if (!step.halve_until_valid()) return fail(NewtonOutcome::inverted_element, step.residual().inverted_element);
-    if (is_kept || !system.takes_full_steps()) step.search(dot(d, r.value));
+    const bool is_new = !is_kept || (report.n_iterations == 0 && factors == Factors::of_this_start);
+    if (!is_new || !system.takes_full_steps()) step.search(dot(d, r.value));
     ++report.n_iterations;
     size_before = size;
     last_step = step.length() * d;

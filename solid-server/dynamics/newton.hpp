@@ -64,10 +64,16 @@ class Newton {
  public:
   explicit Newton(NewtonControl control) : control_(control) {}
 
-  /// From u, which was reached by `increment` from a solution (0: u is one). When that increment came from the kept
-  /// factors (`is_solved_increment`), the first correction is compared with it. On failure u is left as it was.
+  /// What is known of the factors at the start.
+  enum class Factors {
+    unknown,         // kept ones are tried
+    of_this_start,   // they were made here, for the first iteration
+    of_the_increment  // they gave the increment: the first correction is compared with it
+  };
+
+  /// From u, which was reached by `increment` from a solution (0: u is one). On failure u is left as it was.
   NewtonReport solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment,
-                     bool is_solved_increment = false);
+                     Factors factors = Factors::unknown);
 
  private:
   struct Pair {

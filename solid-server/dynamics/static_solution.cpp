@@ -62,6 +62,7 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
   const NodeVectors none(0, 4);
   if (factorise(to.displacement, none) < 0) work.n_negative_pivots = n_negative_pivots();
   ++work.n_factorisations;
+  to.factors = {body_->origin()};
   return work;
 }
 
@@ -86,6 +87,10 @@ void StaticSolution::begin(const Motion& from, double duration, const surface::N
   const surface::NodeArray nothing = surface::NodeArray::Zero(interface_force.rows(), 3);
   body_->force().external().set_interface_load(from.has_interface_force ? from.interface_force : nothing,
                                                interface_force);
+  if (from.factors.origin)
+    body_->factorise(from.factors.origin);
+  else
+    body_->forget_factors();
 }
 
 /// From an equilibrium at one load factor to the next. False, and u as it was, when there is none.
@@ -103,7 +108,8 @@ bool StaticSolution::load_step(double factor_start, double factor_end, NodeVecto
     end += tangent_step;
     increment = end - u;
   }
-  const NewtonReport report = newton.solve(*this, end, increment, has_tangent);
+  const NewtonReport report = newton.solve(
+      *this, end, increment, has_tangent ? Newton::Factors::of_the_increment : Newton::Factors::unknown);
   work.n_iterations += report.n_iterations;
   work.n_factorisations += report.n_factorisations;
   if (!report.has_converged()) {
@@ -158,7 +164,8 @@ NodeVectors StaticSolution::load_rate(const NodeVectors& u) {
 }
 
 Index StaticSolution::factorise(const NodeVectors& u, const NodeVectors& increment) {
-  return body_->factorise({u, u, increment, moment(factor_).time, {1, 0}, 1});
+  return body_->factorise(
+      std::make_shared<const FactorOrigin>(FactorOrigin{u, u, increment, moment(factor_).time, {1, 0}, 1}));
 }
 
 }  // namespace couplet::solid

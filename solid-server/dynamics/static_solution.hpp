@@ -35,8 +35,6 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
 
   double kinetic_energy(const Motion&) const override { return 0; }
   NodeVectors support_force(const Motion& motion) const override { return -body_->held_part(motion.force); }
-  std::shared_ptr<const FactorOrigin> factor_origin() const override { return body_->shared_origin(); }
-  void restore_factors(const FactorOrigin& origin) override { body_->factorise(origin); }
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }
 
@@ -44,7 +42,7 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   // The equilibrium at one load factor, which is the fraction of the step.
   void evaluate(const NodeVectors& u, Residual& residual) override;
   Index factorise(const NodeVectors& u, const NodeVectors& increment) override;
-  bool has_factors() const override { return body_->has_factors(); }
+  bool has_factors() const override { return body_->origin() != nullptr; }
   NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve(rhs); }
   int n_negative_pivots() const override { return body_->n_negative_pivots(); }
   bool takes_full_steps() const override { return true; }

@@ -157,7 +157,7 @@ Index tangent_of_packs(const ElementPacks& packs, const Law& law, Index first, I
 }  // namespace
 
 Index packed_tangent(const ElementPacks& packs, const Material& material, Index first, Index last,
-                     const double* displacement, const double* increment, StoredPack* blocks) {
+                     const double* displacement, StoredPack* blocks, const double* increment) {
   return std::visit(
       [&](const auto& law) {
         const auto run = [&]<class Points>(Points) {

@@ -24,6 +24,6 @@ constexpr Index local_pair(int n_nodes, int a, int b) {
 ///
 /// Returns the first element that is turned inside out (J not above 0, or not a number), or -1.
 Index packed_tangent(const ElementPacks& packs, const Material& material, Index first, Index last,
-                     const double* displacement, const double* increment, StoredPack* blocks);
+                     const double* displacement, StoredPack* blocks, const double* increment = nullptr);
 
 }  // namespace couplet::solid

@@ -8,7 +8,7 @@ HeldMotion::HeldMotion(const SolidMesh& mesh, const std::vector<PrescribedMotion
   std::map<std::pair<Index, int>, std::size_t> motion_of;
   for (std::size_t m = 0; m < motions.size(); ++m)
     for (const Index node : mesh.find_nodes(motions[m].nodes, "solid.prescribed_motion[" + std::to_string(m) + "].nodes"))
-      motion_of[{node, motions[m].axis}] = m;
+      motion_of.try_emplace({node, motions[m].axis}, m);
   for (const auto& [component, motion] : motion_of) {
     components_.push_back({component.first, component.second});
     position_.push_back(mesh.node_position.row(component.first));

@@ -16,8 +16,7 @@ struct PrescribedMotion {
   std::function<double(const Eigen::Vector3d& position, double time)> displacement;  // position at rest [m] [s] -> [m]
 };
 
-/// What prescribed motions make of the components that they hold. A component that two motions name follows the last
-/// one.
+/// What prescribed motions make of the components that they hold. A component that two motions name follows the first.
 class HeldMotion {
  public:
   HeldMotion() = default;
