@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace couplet::solid {
 
@@ -11,7 +10,7 @@ namespace {
 constexpr int most_steps = 30, most_halvings = 12;
 
 // Newton squares its error: after a step of this size (of coordinates of order 1) only round-off is left.
-constexpr double last_step = 1e-8;
+constexpr double last_step = 1e-7;
 
 // The area in which Newton may move, beyond the face on every side.
 constexpr double margin = 0.25;
@@ -91,8 +90,7 @@ bool find_inside(const CurvedFace& face, const NodeQuad& x, ClosestPoint& found)
 }
 
 /// The closest point of an edge; `s` comes back in [-1, 1].
-ClosestPoint find_on_edge(const CurvedFace& face, const NodeQuad& x, int k) {
-  const auto e = face.edge(k);
+ClosestPoint find_on_edge(const CurvedFace& face, const std::array<NodeQuad, 3>& e, const NodeQuad& x, int k) {
   const auto position = [&](double s) { return e[0] + s * (e[1] + s * e[2]); };
   // phi' = -(x - e).e' is a cubic; from the projection on the chord a few Newton steps, kept downhill by halving
   double s = std::clamp(dot(x - e[0], e[1]) / dot(e[1], e[1]), -1.0, 1.0);
@@ -124,12 +122,16 @@ ClosestPoint find_on_edge(const CurvedFace& face, const NodeQuad& x, int k) {
 
 }  // namespace
 
-ClosestPoint closest_point(const CurvedFace& face, const NodeQuad& x) {
+ClosestPoint closest_point(const CurvedFace& face, const NodeQuad& x, double within) {
   ClosestPoint closest;
   if (find_inside(face, x, closest)) return closest;
-  closest.distance = std::numeric_limits<double>::max();
+  closest.distance = std::numeric_limits<double>::infinity();
   for (int k = 0; k < n_corners_of(face.shape()); ++k) {
-    const ClosestPoint on_this = find_on_edge(face, x, k);
+    const auto edge = face.edge(k);
+    // The edge lies within |e1| + |e2| around its middle.
+    const double reach = std::min(within, closest.distance) + length(edge[1]) + length(edge[2]);
+    if (length(x - edge[0]) > reach) continue;
+    const ClosestPoint on_this = find_on_edge(face, edge, x, k);
     if (on_this.distance < closest.distance) closest = on_this;
   }
   return closest;

@@ -1,6 +1,8 @@
 #pragma once
 // The point of a curved face that is closest to a given point.
 
+#include <limits>
+
 #include "solid-server/contact/curved_face.hpp"
 
 namespace couplet::solid {
@@ -17,7 +19,8 @@ struct ClosestPoint {
 /// carried on by an eighth of its width beyond its edges (Gauss-Newton where the Hessian is not positive); when the
 /// minimum is not inside, the closest of the points on its edges, by safeguarded Newton along each. Converged to
 /// round-off. For a face that is curved so much, or a point so far away, that there are several local minima, the one
-/// downhill from the middle counts.
-ClosestPoint closest_point(const CurvedFace& face, const NodeQuad& x);
+/// downhill from the middle counts. If the face is not closer than `within` [m], only a distance above it comes back.
+ClosestPoint closest_point(const CurvedFace& face, const NodeQuad& x,
+                           double within = std::numeric_limits<double>::infinity());
 
 }  // namespace couplet::solid

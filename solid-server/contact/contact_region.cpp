@@ -57,6 +57,13 @@ CurvedFace ContactFace::curved(const ContactPositions& x) const {
   return {shape, position};
 }
 
+NodeQuad ContactFace::middle(const ContactPositions& x) const {
+  const int n_corners = n_corners_of(shape);
+  NodeQuad sum{};
+  for (int a = 0; a < n_corners; ++a) sum += x[static_cast<std::size_t>(node[static_cast<std::size_t>(a)])];
+  return sum / static_cast<double>(n_corners);
+}
+
 NodeQuad ContactRegion::position(const ContactPoint& p, const ContactPositions& x) const {
   const ContactFace& own = face[static_cast<std::size_t>(p.face)];
   NodeQuad sum{};

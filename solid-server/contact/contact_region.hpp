@@ -18,6 +18,8 @@ struct ContactFace {
   std::array<bool, 4> is_open_corner{};      // at the end of an open edge
 
   CurvedFace curved(const ContactPositions& x) const;
+  /// Mean of the corners.
+  NodeQuad middle(const ContactPositions& x) const;
 };
 
 /// A point that is kept from passing through the faces of another region: a quadrature point of a face.

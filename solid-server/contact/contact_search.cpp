@@ -20,16 +20,12 @@ std::size_t at(Index n) {
   return static_cast<std::size_t>(n);
 }
 
-double length(const NodeQuad& v) {
-  return std::sqrt(dot(v, v));
-}
-
-CurvedFace::Box around(const CurvedFace::Box& a, const CurvedFace::Box& b) {
+Box around(const Box& a, const Box& b) {
   return {a.low < b.low ? a.low : b.low, a.high > b.high ? a.high : b.high};
 }
 
 /// Distance between two boxes, 0 when they overlap.
-double distance(const CurvedFace::Box& a, const CurvedFace::Box& b) {
+double distance(const Box& a, const Box& b) {
   const NodeQuad below = a.low - b.high, above = b.low - a.high;
   NodeQuad apart = below > above ? below : above;
   apart = apart > 0.0 ? apart : NodeQuad{};
@@ -58,7 +54,7 @@ Motion motion_of(const ContactRegion& region, const ContactPositions& from, cons
 }  // namespace
 
 ContactSearch::ContactSearch(const ContactRegion& faces, const ContactPositions& rest, const SearchReach& reach)
-    : reach_(reach), rest_(rest), order_(faces.face.size()), box_(faces.face.size()), radius_(faces.face.size()) {
+    : reach_(reach), rest_(rest), order_(faces.face.size()), box_(faces.face.size()) {
   std::iota(order_.begin(), order_.end(), 0);
   grow(faces, rest, 0, static_cast<Index>(order_.size()));
 }
@@ -66,10 +62,10 @@ ContactSearch::ContactSearch(const ContactRegion& faces, const ContactPositions&
 /// Halves a range of faces at the middle of its longest side.
 void ContactSearch::grow(const ContactRegion& faces, const ContactPositions& rest, Index first, Index last) {
   const std::size_t self = tree_.size();
-  tree_.push_back({CurvedFace::Box{}, first, last, 0});
+  tree_.push_back({Box{}, first, last, 0});
   if (last - first <= faces_per_leaf) return;
-  const auto middle_of = [&](Index f) { return faces.face[at(f)].curved(rest).middle(); };
-  CurvedFace::Box box{middle_of(order_[at(first)]), middle_of(order_[at(first)])};
+  const auto middle_of = [&](Index f) { return faces.face[at(f)].middle(rest); };
+  Box box{middle_of(order_[at(first)]), middle_of(order_[at(first)])};
   for (Index n = first; n < last; ++n) box = around(box, {middle_of(order_[at(n)]), middle_of(order_[at(n)])});
   int axis = 0;
   for (int i = 1; i < 3; ++i)
@@ -85,11 +81,7 @@ void ContactSearch::grow(const ContactRegion& faces, const ContactPositions& res
 }
 
 void ContactSearch::refit(const ContactRegion& faces, const ContactPositions& x) {
-  for (std::size_t f = 0; f < box_.size(); ++f) {
-    const CurvedFace face = faces.face[f].curved(x);
-    box_[f] = face.box();
-    radius_[f] = face.radius();
-  }
+  for (std::size_t f = 0; f < box_.size(); ++f) box_[f] = faces.face[f].curved(x).box();
   for (std::size_t n = tree_.size(); n-- > 0;) {  // halves come after their parent
     Branch& branch = tree_[n];
     if (branch.right > 0) {
@@ -134,7 +126,7 @@ void ContactSearch::search(const ContactRegion& points, const ContactRegion& fac
   refit(faces, x);
   const double within = reach_.reach + reach_.skin;
 
-  CurvedFace::Box all{x[at(points.node.front())], x[at(points.node.front())]};
+  Box all{x[at(points.node.front())], x[at(points.node.front())]};
   std::vector<NodeQuad> position;
   position.reserve(points.point.size());
   for (const ContactPoint& point : points.point) {
@@ -147,21 +139,21 @@ void ContactSearch::search(const ContactRegion& points, const ContactRegion& fac
 
   std::vector<Index> waiting, found;
   for (std::size_t p = 0; p < position.size(); ++p) {
-    const CurvedFace::Box here{position[p], position[p]};
     found.clear();
     waiting.assign(1, 0);
     while (!waiting.empty()) {
       const Index n = waiting.back();
       waiting.pop_back();
       const Branch& branch = tree_[at(n)];
-      if (distance(here, branch.box) > within) continue;
+      if (squared_distance(position[p], branch.box) > within * within) continue;
       if (branch.right > 0) {
         waiting.insert(waiting.end(), {n + 1, branch.right});
         continue;
       }
       for (Index f = branch.first; f < branch.last; ++f) {
         const Index face = order_[at(f)];
-        if (distance(here, box_[at(face)]) <= within && !are_neighbours(points, points.point[p], faces, face))
+        if (squared_distance(position[p], box_[at(face)]) <= within * within &&
+            !are_neighbours(points, points.point[p], faces, face))
           found.push_back(face);
       }
     }

@@ -30,14 +30,12 @@ class ContactSearch {
   std::span<const Index> faces_near(std::size_t n) const {
     return {&face_[first_face_[n]], first_face_[n + 1] - first_face_[n]};
   }
-  /// Of a face since the search: around the middle of its corners [m].
-  double radius(Index face) const { return radius_[static_cast<std::size_t>(face)] + reach_.skin; }
   const SearchReach& reach() const { return reach_; }
   long n_searches() const { return n_searches_; }
 
  private:
   struct Branch {
-    CurvedFace::Box box;
+    Box box;
     Index first = 0, last = 0;  // faces in order_
     Index right = 0;            // the left half follows its parent; 0: a leaf
   };
@@ -53,8 +51,7 @@ class ContactSearch {
   ContactPositions rest_, searched_;  // at the last search
   std::vector<Branch> tree_;
   std::vector<Index> order_;
-  std::vector<CurvedFace::Box> box_;
-  std::vector<double> radius_;
+  std::vector<Box> box_;
   double slack_ = -1;  // by how much the regions may come closer before the next search [m]
   long n_searches_ = 0;
   std::vector<Index> active_point_, face_;

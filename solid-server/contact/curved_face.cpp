@@ -1,6 +1,5 @@
 #include "solid-server/contact/curved_face.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 namespace couplet::solid {
@@ -9,13 +8,6 @@ namespace {
 
 constexpr std::array<std::array<double, 2>, 4> square_corner = {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
 constexpr std::array<std::array<double, 2>, 3> triangle_corner = {{{0, 0}, {1, 0}, {0, 1}}};
-
-NodeQuad smaller(const NodeQuad& a, const NodeQuad& b) {
-  return a < b ? a : b;
-}
-NodeQuad larger(const NodeQuad& a, const NodeQuad& b) {
-  return a > b ? a : b;
-}
 
 }  // namespace
 
@@ -49,19 +41,6 @@ CurvedFace::CurvedFace(FaceShape shape, const std::array<NodeQuad, max_face_node
   c_[7] = corner_xi - c_[1];
 }
 
-FacePoint CurvedFace::at(const FaceCoordinates& at) const {
-  const double r = at.x(), s = at.y();
-  const auto& c = c_;
-  FacePoint point;
-  point.position = c[0] + r * (c[1] + r * (c[3] + s * c[6])) + s * (c[2] + r * c[4] + s * (c[5] + r * c[7]));
-  point.tangent_xi = c[1] + (2 * r) * (c[3] + s * c[6]) + s * (c[4] + s * c[7]);
-  point.tangent_eta = c[2] + (2 * s) * (c[5] + r * c[7]) + r * (c[4] + r * c[6]);
-  point.second_xi = 2 * (c[3] + s * c[6]);
-  point.second_mixed = c[4] + (2 * r) * c[6] + (2 * s) * c[7];
-  point.second_eta = 2 * (c[5] + r * c[7]);
-  return point;
-}
-
 NodeQuad CurvedFace::normal(const FaceCoordinates& at) const {
   const FacePoint point = this->at(at);
   const NodeQuad n = cross(point.tangent_xi, point.tangent_eta);
@@ -76,44 +55,23 @@ std::array<NodeQuad, 3> CurvedFace::edge(int k) const {
   return {middle, (last - first) / 2, mean - middle};
 }
 
-/// Corners, for each curved edge 2 x_mid - (x_a + x_b)/2, and for eight nodes the one in the middle of the biquadratic
-/// patch whose point at (0, 0) is c0: 4 c0 - sum of corners/4 - sum of edges/2.
-template <class Visit>
-void CurvedFace::for_each_control_point(const Visit& visit) const {
+/// Control points: corners, for each curved edge 2 x_mid - (x_a + x_b)/2, and for eight nodes the one in the middle of
+/// the biquadratic patch whose point at (0, 0) is c0: 4 c0 - sum of corners/4 - sum of edges/2.
+Box CurvedFace::box() const {
+  Box box{node_[0], node_[0]};
+  const auto hold = [&](const NodeQuad& x) { box = {x < box.low ? x : box.low, x > box.high ? x : box.high}; };
   const auto n_corners = static_cast<std::size_t>(n_corners_of(shape_));
-  for (std::size_t a = 0; a < n_corners; ++a) visit(node_[a]);
-  if (shape_ == FaceShape::quadrilateral4) return;
+  for (std::size_t a = 1; a < n_corners; ++a) hold(node_[a]);
+  if (shape_ == FaceShape::quadrilateral4) return box;
   NodeQuad corners{}, edges{};
   for (std::size_t a = 0; a < n_corners; ++a) {
     const NodeQuad control = 2 * node_[n_corners + a] - (node_[a] + node_[(a + 1) % n_corners]) / 2;
-    visit(control);
+    hold(control);
     corners += node_[a];
     edges += control;
   }
-  if (shape_ == FaceShape::quadrilateral8) visit(4 * c_[0] - corners / 4 - edges / 2);
-}
-
-CurvedFace::Box CurvedFace::box() const {
-  Box box{node_[0], node_[0]};
-  for_each_control_point([&](const NodeQuad& x) {
-    box.low = smaller(box.low, x);
-    box.high = larger(box.high, x);
-  });
+  if (shape_ == FaceShape::quadrilateral8) hold(4 * c_[0] - corners / 4 - edges / 2);
   return box;
-}
-
-NodeQuad CurvedFace::middle() const {
-  const auto n_corners = static_cast<std::size_t>(n_corners_of(shape_));
-  NodeQuad sum{};
-  for (std::size_t a = 0; a < n_corners; ++a) sum += node_[a];
-  return sum / static_cast<double>(n_corners);
-}
-
-double CurvedFace::radius() const {
-  const NodeQuad centre = middle();
-  double squared = 0;
-  for_each_control_point([&](const NodeQuad& x) { squared = std::max(squared, dot(x - centre, x - centre)); });
-  return std::sqrt(squared);
 }
 
 FaceCoordinates on_edge(FaceShape shape, int k, double s) {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 
 #include "solid-server/element/lane_transpose.hpp"
 #include "solid-server/mesh/element_shape.hpp"
@@ -12,6 +13,10 @@ namespace couplet::solid {
 [[gnu::always_inline]] inline double dot(const NodeQuad& a, const NodeQuad& b) {
   const NodeQuad product = a * b;
   return product[0] + product[1] + product[2];
+}
+
+[[gnu::always_inline]] inline double length(const NodeQuad& a) {
+  return std::sqrt(dot(a, a));
 }
 
 [[gnu::always_inline]] inline NodeQuad cross(const NodeQuad& a, const NodeQuad& b) {
@@ -31,6 +36,19 @@ struct FacePoint {
   NodeQuad position, tangent_xi, tangent_eta, second_xi, second_mixed, second_eta;
 };
 
+/// A box along the axes.
+struct Box {
+  NodeQuad low, high;
+};
+
+/// The square of the distance from a point to a box, 0 inside [m^2].
+[[gnu::always_inline]] inline double squared_distance(const NodeQuad& x, const Box& box) {
+  const NodeQuad below = box.low - x, above = x - box.high;
+  NodeQuad apart = below > above ? below : above;
+  apart = apart > 0.0 ? apart : NodeQuad{};
+  return dot(apart, apart);
+}
+
 /// x(xi, eta) = c0 + c1 xi + c2 eta + c3 xi^2 + c4 xi eta + c5 eta^2 + c6 xi^2 eta + c7 xi eta^2: all three shapes of
 /// face lie in this space.
 class CurvedFace {
@@ -39,7 +57,18 @@ class CurvedFace {
   CurvedFace(FaceShape shape, const std::array<NodeQuad, max_face_nodes>& node);
 
   FaceShape shape() const { return shape_; }
-  FacePoint at(const FaceCoordinates& at) const;
+  [[gnu::always_inline]] FacePoint at(const FaceCoordinates& at) const {
+    const double r = at.x(), s = at.y();
+    const auto& c = c_;
+    FacePoint point;
+    point.position = c[0] + r * (c[1] + r * (c[3] + s * c[6])) + s * (c[2] + r * c[4] + s * (c[5] + r * c[7]));
+    point.tangent_xi = c[1] + (2 * r) * (c[3] + s * c[6]) + s * (c[4] + s * c[7]);
+    point.tangent_eta = c[2] + (2 * s) * (c[5] + r * c[7]) + r * (c[4] + r * c[6]);
+    point.second_xi = 2 * (c[3] + s * c[6]);
+    point.second_mixed = c[4] + (2 * r) * c[6] + (2 * s) * c[7];
+    point.second_eta = 2 * (c[5] + r * c[7]);
+    return point;
+  }
 
   /// The right-hand unit normal, out of the body.
   NodeQuad normal(const FaceCoordinates& at) const;
@@ -48,18 +77,9 @@ class CurvedFace {
   std::array<NodeQuad, 3> edge(int k) const;
 
   /// A box that holds the whole face, bulges included: that of its Bezier control points.
-  struct Box {
-    NodeQuad low, high;
-  };
   Box box() const;
 
-  /// Middle of the corners, and a radius around it within which the face lies [m].
-  NodeQuad middle() const;
-  double radius() const;
-
  private:
-  template <class Visit>
-  void for_each_control_point(const Visit& visit) const;
 
   FaceShape shape_;
   std::array<NodeQuad, max_face_nodes> node_;

@@ -102,6 +102,8 @@ std::size_t SurfaceContact::region_of(const SolidMesh& mesh, const std::string& 
   for (const ElementFace& face : mesh.find_surface(surface, where)) faces.push_back(mesh.nodes_of(face));
   region_.push_back(make_contact_region(faces, contact_node_, rest_));
   region_name_.push_back(surface);
+  box_.emplace_back(faces.size());
+  find_boxes(region_.size() - 1);
   return region_.size() - 1;
 }
 
@@ -141,20 +143,17 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
   Touch touch;
   double closest = reach, alignment = 0;
   FaceCoordinates where{0, 0};
-  for (const Index f : faces) {
+  const auto try_face = [&](Index f) {
     const ContactFace& face = region.face[at(f)];
     const CurvedFace curved = face.curved(x_);
-    const NodeQuad from_middle = x - curved.middle();
-    const double furthest = closest + side.search.radius(f);
-    if (dot(from_middle, from_middle) > furthest * furthest) continue;
-    const ClosestPoint found = closest_point(curved, x);
-    if (found.distance > closest + tolerance || found.distance > reach) continue;
+    const ClosestPoint found = closest_point(curved, x, closest + tolerance);
+    if (found.distance > closest + tolerance || found.distance > reach) return;
 
     const NodeQuad normal = curved.normal(found.at), r = x - found.position;
     const double height = dot(r, normal);
     // Of two faces with the same closest point on their edge, the one that looks more towards x knows the side.
     const bool is_tie = touch.face >= 0 && found.distance > closest - tolerance;
-    if (is_tie && std::abs(height) <= alignment) continue;
+    if (is_tie && std::abs(height) <= alignment) return;
     closest = found.distance;
     alignment = std::abs(height);
     touch.face = f;
@@ -162,12 +161,28 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
     if (found.edge < 0) {
       touch.distance = height;
       touch.direction = normal;
-      continue;
+      return;
     }
     const bool is_open = found.corner >= 0 ? face.is_open_corner[at(found.corner)] : face.is_open_edge[at(found.edge)];
     const double sign = is_open || height >= 0 ? 1 : -1;
     touch.distance = sign * found.distance;
     touch.direction = found.distance > tolerance ? r * (sign / found.distance) : normal;
+  };
+
+  // The face with the nearest box first: then most others are seen to be further away without a look at them.
+  const std::vector<Box>& box = box_[side.faces];
+  Index nearest = -1;
+  double to_nearest = reach * reach;
+  for (const Index f : faces)
+    if (const double to_this = squared_distance(x, box[at(f)]); to_this < to_nearest) {
+      nearest = f;
+      to_nearest = to_this;
+    }
+  if (nearest < 0) return touch;
+  try_face(nearest);
+  for (const Index f : faces) {
+    const double furthest = closest + tolerance;
+    if (f != nearest && squared_distance(x, box[at(f)]) <= furthest * furthest) try_face(f);
   }
   if (touch.face >= 0) {
     const auto shape = shape_values(region.face[at(touch.face)].shape, where);
@@ -176,14 +191,22 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
   return touch;
 }
 
+void SurfaceContact::find_boxes(std::size_t region) {
+  for (std::size_t f = 0; f < box_[region].size(); ++f) box_[region][f] = region_[region].face[f].curved(x_).box();
+}
+
 void SurfaceContact::search(const double* displacement) {
   for (std::size_t n = 0; n < node_.size(); ++n) x_[n] = rest_[n] + load_quad(displacement + width * node_[n]);
   is_active_ = false;
+  std::vector<char> is_near(region_.size(), 0);
   for (Side& side : sides_) {
     side.search.update(region_[side.points], region_[side.faces], x_);
     side.touch.resize(side.search.active_point().size());
     is_active_ |= !side.touch.empty();
+    if (!side.touch.empty()) is_near[side.faces] = 1;
   }
+  for (std::size_t r = 0; r < region_.size(); ++r)
+    if (is_near[r]) find_boxes(r);
 }
 
 void SurfaceContact::find_gaps(int member, int n_members) {

@@ -116,6 +116,7 @@ class SurfaceContact {
   void add_side(std::size_t points, std::size_t faces, const ContactPair& pair);
   std::size_t region_of(const SolidMesh& mesh, const std::string& surface, const std::string& where);
   Touch touch_of(const Side& side, const NodeQuad& x, std::span<const Index> faces) const;
+  void find_boxes(std::size_t region);
   void find_all(const double* displacement);
   template <class Visit>
   void for_each_touch(const Visit& visit) const;
@@ -127,6 +128,7 @@ class SurfaceContact {
   std::vector<std::string> region_name_;
   std::vector<ContactRegion> region_;
   ContactPositions rest_, x_;
+  std::vector<std::vector<Box>> box_;  // of each face of each region now, where a point is near
   std::vector<Side> sides_;
   std::vector<double> factor_, cancelled_area_, area_;  // of each contact node; areas are those of points around it
   bool is_active_ = false;                              // a point has a face near it

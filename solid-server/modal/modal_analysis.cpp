@@ -118,10 +118,9 @@ EigenPairs lowest_pairs(const TangentSolver& solver, const FreeVectors& vectors,
   const auto n_found =
       lanczos.compute(Spectra::SortRule::LargestAlge, n_restarts_max, tolerance, Spectra::SortRule::SmallestAlge);
   if (n_found < n_pairs || lanczos.info() != Spectra::CompInfo::Successful)
-    throw report::NumericsError("modes",
-                                "only " + std::to_string(n_found) + " of " + std::to_string(n_pairs) +
-                                    " modes have converged",
-                                "ask for a few modes more or fewer");
+    throw report::NumericsError(
+        "modes", "only " + std::to_string(n_found) + " of " + std::to_string(n_pairs) + " modes have converged",
+        "ask for a few modes more or fewer");
   return {lanczos.eigenvalues(), lanczos.eigenvectors()};
 }
 
@@ -136,8 +135,7 @@ Mode make_mode(const TangentSolver& solver, double eigenvalue, double shift, Nod
   mode.eigenvalue = eigenvalue;
   mode.frequency = std::copysign(std::sqrt(std::abs(eigenvalue)) / (2 * std::numbers::pi), eigenvalue);
   const NodeVectors momentum = solver.mass_times(shape), force = solver.multiply(shape);  // the latter shifted
-  for (int i = 0; i < 3; ++i)
-    mode.direction_share[static_cast<std::size_t>(i)] = shape.col(i).dot(momentum.col(i));
+  for (int i = 0; i < 3; ++i) mode.direction_share[static_cast<std::size_t>(i)] = shape.col(i).dot(momentum.col(i));
   mode.residual = (force - (eigenvalue - shift) * momentum).norm() / force.norm();
   mode.shape = std::move(shape);
   return mode;

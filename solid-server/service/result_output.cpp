@@ -11,6 +11,8 @@ namespace {
 // Times add up over many steps: a state this share of an interval before its turn counts as on time.
 constexpr double early = 1e-6;
 
+}  // namespace
+
 store::ResultMesh result_mesh(const SolidMesh& mesh) {
   store::ResultMesh out;
   out.shape = store::CellShape::hexahedron20;
@@ -19,8 +21,6 @@ store::ResultMesh result_mesh(const SolidMesh& mesh) {
     out.cell_node.insert(out.cell_node.end(), block.node.begin(), block.node.end());
   return out;
 }
-
-}  // namespace
 
 ResultOutput::ResultOutput(const v1::Output& output, const std::string& run_folder, const std::string& name,
                            const SolidMesh& mesh, double time)

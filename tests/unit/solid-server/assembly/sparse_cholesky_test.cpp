@@ -95,7 +95,8 @@ TEST_P(CholeskyOf, SolvesAndCountsNegativeEigenvalues) {
   EXPECT_EQ(cholesky.n_unknowns(), free.count());
   cholesky.factorise(blocks);
   const Eigen::MatrixXd A = dense(pairs, blocks, free);
-  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::VectorXd eigenvalues =
+      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A, Eigen::EigenvaluesOnly).eigenvalues();
   EXPECT_EQ(cholesky.n_negative_pivots(), (eigenvalues.array() < 0).count());
 
   const NodeVectors b = random_vectors(pairs.n_nodes()), x = cholesky.solve(b);

@@ -106,9 +106,9 @@ TEST(TangentSolver, HasTheMassOfTheBody) {
   linear.col(1) = mesh.node_position.col(0);
   const NodeVectors product = solver.mass_times(shift);
   EXPECT_NEAR(product.col(1).sum(), 6000, 1e-9);
-  EXPECT_NEAR(product.cwiseProduct(linear).sum(), 6000 * 1.0, 1e-9);                  // first moment, at the centre
-  EXPECT_NEAR(solver.mass_times(linear).cwiseProduct(linear).sum(), 8000, 1e-9);      // second: rho 3 * 1 * 2^3 / 3
-  EXPECT_EQ(largest(NodeVectors(product.leftCols<1>().replicate<1, 4>())), 0);        // no coupling of components
+  EXPECT_NEAR(product.cwiseProduct(linear).sum(), 6000 * 1.0, 1e-9);              // first moment, at the centre
+  EXPECT_NEAR(solver.mass_times(linear).cwiseProduct(linear).sum(), 8000, 1e-9);  // second: rho 3 * 1 * 2^3 / 3
+  EXPECT_EQ(largest(NodeVectors(product.leftCols<1>().replicate<1, 4>())), 0);    // no coupling of components
   solver.assemble(NodeVectors::Zero(mesh.n_nodes(), 4), {0, 3});
   EXPECT_LE(largest(solver.multiply(linear) - 3 * solver.mass_times(linear)), 1e-12 * 6000);
 }
@@ -123,7 +123,8 @@ TEST(TangentSolver, SolvesForTheFreeComponents) {
   solver.factorise();
   EXPECT_EQ(solver.n_negative_pivots(), 0);
   const NodeVectors b = scattered(mesh), x = solver.solve(b);
-  const NodeVectors is_free = (NodeVectors(mesh.n_nodes(), 4) << free.cast<double>(), Eigen::VectorXd::Zero(mesh.n_nodes())).finished();
+  const NodeVectors is_free =
+      (NodeVectors(mesh.n_nodes(), 4) << free.cast<double>(), Eigen::VectorXd::Zero(mesh.n_nodes())).finished();
   EXPECT_LE(largest(solver.multiply(x) - b.cwiseProduct(is_free)), 1e-11);  // round-off of unit loads
   EXPECT_EQ(largest(x - x.cwiseProduct(is_free)), 0);
   EXPECT_EQ(solver.cost().n_factorisations, 1);

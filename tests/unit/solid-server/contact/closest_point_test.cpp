@@ -14,10 +14,6 @@ constexpr std::array<FaceShape, 3> all_shapes = {FaceShape::quadrilateral8, Face
 
 using Nodes = std::array<NodeQuad, max_face_nodes>;
 
-double length(const NodeQuad& v) {
-  return std::sqrt(dot(v, v));
-}
-
 /// A face of size 2 in a skewed plane, every node moved by up to 0.15 in each direction: strongly curved.
 Nodes random_face(FaceShape shape, std::mt19937& random) {
   std::uniform_real_distribution<double> move(-0.15, 0.15);
@@ -67,7 +63,6 @@ TEST(CurvedFace, IsWhatTheShapeFunctionsSay) {
           EXPECT_GE(point.position[i], box.low[i] - 1e-15);
           EXPECT_LE(point.position[i], box.high[i] + 1e-15);
         }
-        EXPECT_LE(length(point.position - face.middle()), face.radius() + 1e-15);
       }
   }
 }

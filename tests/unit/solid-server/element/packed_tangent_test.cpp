@@ -81,8 +81,8 @@ TEST_P(PackedTangentOf, AgreesWithThePlainFormForEveryLaw) {
           for (int c = 0; c < 9; ++c) {
             const Index place = (e / n_lanes * n_local_pairs(n_nodes) + local_pair(n_nodes, a, b)) * 9 + c;
             const double found = blocks[static_cast<std::size_t>(place)].lane[e % n_lanes];
-            ASSERT_NEAR(found, K(3 * a + c / 3, 3 * b + c % 3), round_off) << "law " << material.index() << ", pair "
-                                                                           << a << " " << b << ", entry " << c;
+            ASSERT_NEAR(found, K(3 * a + c / 3, 3 * b + c % 3), round_off)
+                << "law " << material.index() << ", pair " << a << " " << b << ", entry " << c;
           }
     }
   }
@@ -101,9 +101,8 @@ TEST(PackedTangent, NamesTheElementThatIsTurnedInsideOut) {
   for (Index n = 0; n < mesh.n_nodes(); ++n)  // the end of element 12 passes through it
     if (std::abs(mesh.node_position(n, 0) - 13) < 1e-9) displacement(n, 0) = -2.5;
   std::vector<StoredPack> blocks(static_cast<std::size_t>(9 * n_local_pairs(20) * packs.n_packs));
-  EXPECT_EQ(packed_tangent(packs, example<SaintVenantKirchhoff>(), 0, packs.n_packs, displacement.data(),
-                           blocks.data()),
-            12);
+  EXPECT_EQ(
+      packed_tangent(packs, example<SaintVenantKirchhoff>(), 0, packs.n_packs, displacement.data(), blocks.data()), 12);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ constexpr double count_error = 0.004 * 2;
 TEST(Orifice, IsOpenWhereNoFaceThrowsAShadow) {
   Orifice orifice(plate, disc, "here");
   EXPECT_NEAR(orifice.area(moved(0, 0)), 0.75 * pi * 0.64, count_error);
-  EXPECT_NEAR(orifice.area(moved(-0.5, 5)), pi * 0.64, count_error);  // far beside it
+  EXPECT_NEAR(orifice.area(moved(-0.5, 5)), pi * 0.64, count_error);         // far beside it
   EXPECT_NEAR(orifice.area(moved(-0.5, -0.5)), pi * 0.64 - 1, count_error);  // around the middle, wholly inside
 }
 
