@@ -74,6 +74,7 @@ struct SolidModel::Parts {
   NodalForce force;
   WorkTeam team;
   CentralDifference* central_difference = nullptr;  // the integrator, when it is this one
+  GeneralizedAlpha* generalized_alpha = nullptr;    // or this one
   std::unique_ptr<TimeIntegrator> integrator;
   double smallest_length;       // [m]
   double contact_rate_squared;  // bound of contact's part of omega_max^2 [1/s^2]
@@ -111,7 +112,9 @@ struct SolidModel::Parts {
                                                 std::move(held), force, team);
     if (setup.method == TimeMethod::static_equilibrium)
       return std::make_unique<StaticSolution>(std::move(body), setup.statics);
-    return std::make_unique<GeneralizedAlpha>(std::move(body), setup.damping, std::move(kicks), setup.implicit);
+    auto made = std::make_unique<GeneralizedAlpha>(std::move(body), setup.damping, std::move(kicks), setup.implicit);
+    generalized_alpha = made.get();
+    return made;
   }
 
   /// Only the central difference method has a limit.
@@ -176,6 +179,9 @@ std::vector<Reaction> SolidModel::reactions() const {
 const StepWork& SolidModel::work_of_last_step() const {
   return parts_->work_last;
 }
+ImplicitCost SolidModel::implicit_cost(double duration) {
+  return parts_->generalized_alpha->measure(parts_->accepted.motion, duration);
+}
 StepWork SolidModel::total_work() const {
   return parts_->work_total;
 }
@@ -209,6 +215,10 @@ void SolidModel::accept_step() {
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
   if (++p.accepted.n_accepted_since_estimate >= p.setup.step.estimate_every) p.estimate_stable_step();
+}
+
+void SolidModel::note_why_method(std::string reason) {
+  parts_->accepted.why_method = std::move(reason);
 }
 
 void SolidModel::resume(SolidState state) {

@@ -54,6 +54,7 @@ struct SolidState {
   double stable_step = 0;  // as last estimated [s]
   int n_accepted_since_estimate = 0;
   TimeMethod method = TimeMethod::central_difference;
+  std::string why_method;  // one sentence when it was chosen by its cost; else empty
 };
 
 /// What a named support exerts on the body.
@@ -91,12 +92,15 @@ class SolidModel {
   /// Makes the trial state the accepted one; estimates the stable step again when it is due.
   void accept_step();
   const SolidState& accepted() const;
+  void note_why_method(std::string reason);  // a sentence that checkpoints keep
   void resume(SolidState state);  // sizes must be those of accepted(); the method becomes that of the state
 
   int n_substeps(double duration) const;  // that a step of this duration [s] takes now, when nothing goes wrong
   SolidEnergy energy() const;             // of the last accepted step
   std::vector<Reaction> reactions() const;  // in the accepted state, of each support
   const StepWork& work_of_last_step() const;
+  /// What implicit steps of this duration [s] cost. Only with the generalized-alpha method.
+  ImplicitCost implicit_cost(double duration);
   StepWork total_work() const;       // repeated steps included; the worst residual
   double element_seconds() const;    // spent in the element kernel
   std::size_t memory_bytes() const;  // of the arrays of the time loop

@@ -1,7 +1,10 @@
 #include "solid-server/dynamics/generalized_alpha.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "proto/report/failure.hpp"
 
@@ -235,6 +238,42 @@ std::shared_ptr<const FactorOrigin> GeneralizedAlpha::origin_at(const NodeVector
   const NodeVectors v_f = (1 - alpha_f_) * end.v + alpha_f_ * start_->velocity;
   return std::make_shared<const FactorOrigin>(
       FactorOrigin{strained(u_f, v_f), u_f, strained_share() * increment, moment_.time, weights(), 1 - alpha_f_});
+}
+
+/// The lowest mode by inverse iteration [Golub, Van Loan 2013, 8.2], from the displacement under a uniform acceleration
+/// in all directions.
+ImplicitCost GeneralizedAlpha::measure(const Motion& motion, double duration) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point began) { return std::chrono::duration<double>(Clock::now() - began).count(); };
+  constexpr int n_repetitions = 3, n_iterations = 12;
+  Motion start = motion;
+  if (start.acceleration.rows() == 0) start.acceleration = NodeVectors::Zero(motion.displacement.rows(), 4);
+  set_up_substep(start, duration, 0, 1);
+  const double shift = std::pow(2 * std::numbers::pi / (100 * duration), 2);  // so that free bodies have factors too
+  ImplicitCost cost;
+  auto began = Clock::now();
+  body_->factorise(std::make_shared<const FactorOrigin>(FactorOrigin{
+      start.displacement, start.displacement, NodeVectors(0, 4), start.time, {1, shift}, 0}));
+  cost.factorisation_seconds = since(began);
+
+  Residual residual;
+  cost.iteration_seconds = std::numeric_limits<double>::max();
+  for (int n = 0; n < n_repetitions; ++n) {
+    began = Clock::now();
+    evaluate(start.displacement, residual);
+    body_->solve(residual.value);
+    cost.iteration_seconds = std::min(cost.iteration_seconds, since(began));
+  }
+  NodeVectors mode = body_->free_part(NodeVectors::Ones(start.displacement.rows(), 4));
+  double eigenvalue = 0;  // of (K + shift M) x = eigenvalue M x
+  for (int n = 0; n < n_iterations; ++n) {
+    const NodeVectors push = body_->mass_times(mode), next = body_->free_part(body_->solve(push));
+    eigenvalue = next.cwiseProduct(push).sum() / (2 * body_->kinetic_energy(next));
+    mode = next / next.norm();
+  }
+  cost.lowest_rate = std::sqrt(std::max(eigenvalue - shift, 0.0));
+  body_->forget_factors();
+  return cost;
 }
 
 NodeVectors GeneralizedAlpha::support_force(const Motion& motion) const {
