@@ -157,6 +157,11 @@ TEST(TangentSolver, TakesContributionsBetweenAnyNodes) {
   EXPECT_LE(largest(solver.solve(solver.multiply(d_free)) - d_free), 1e-10);  // round-off times the condition number
   solver.assemble(NodeVectors::Zero(mesh.n_nodes(), 4), {1, 0});
   EXPECT_EQ(solver.multiply(d), before);  // forgotten, though the pattern has grown
+  const std::size_t n_bytes = solver.memory_bytes();
+  solver.add(near, far - 40, C);  // another pair instead: one goes, one comes
+  solver.factorise();
+  EXPECT_NEAR(static_cast<double>(solver.memory_bytes()), static_cast<double>(n_bytes), 0.05 * n_bytes);
+  EXPECT_EQ(solver.n_pairs(), n_pairs);
 }
 
 TEST(TangentSolver, GivesTheSameBitsForAnyNumberOfMembers) {
