@@ -210,7 +210,7 @@ TEST(Damping, ByStiffnessShortensTheStableStepAsItIsSaidTo) {
 TEST(BouncingCube, KeepsItsEnergyThroughContact) {
   SolidSetup setup = rubber_cube();
   setup.wetted = {"y_max"};
-  setup.planes = {{1.05, 1e9}};
+  setup.planes = {{{0, 1.05, 0}, {0, -1, 0}, 1e9, {}}};
   setup.step.safety = 0.5;
   setup.kicks = {{0, [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 5, 0); }}};
   SolidModel model(setup);

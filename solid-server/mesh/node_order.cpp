@@ -1,0 +1,104 @@
+#include "solid-server/mesh/node_order.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "solid-server/element/quadrature.hpp"
+#include "solid-server/element/shape_functions.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+int n_check_points(ElementShape shape) {
+  switch (shape) {
+    case ElementShape::hexahedron20:
+      return 27;
+    case ElementShape::hexahedron8:
+      return 8;
+    case ElementShape::tetrahedron10:
+      return 15;
+  }
+  return 0;
+}
+
+/// Orders of corners in which files are known to give elements; the first is the right one.
+std::vector<std::vector<int>> known_corner_orders(ElementShape shape) {
+  if (shape == ElementShape::tetrahedron10) return {{0, 1, 2, 3}, {0, 2, 1, 3}};
+  return {{0, 1, 2, 3, 4, 5, 6, 7}, {4, 5, 6, 7, 0, 1, 2, 3}, {0, 1, 3, 2, 4, 5, 7, 6}, {4, 5, 7, 6, 0, 1, 3, 2}};
+}
+
+int n_edges(const ElementTopology& shape) {
+  return shape.n_nodes - shape.n_corners;
+}
+
+/// The element with its corners in this order, and each edge with the midside node that is nearest to its middle.
+Eigen::Matrix3Xd reordered(const ElementTopology& shape, const Eigen::Matrix3Xd& position,
+                           const std::vector<int>& corners) {
+  Eigen::Matrix3Xd out(3, shape.n_nodes);
+  for (Eigen::Index c = 0; c < shape.n_corners; ++c) out.col(c) = position.col(corners[static_cast<std::size_t>(c)]);
+  std::vector<bool> is_taken(static_cast<std::size_t>(shape.n_nodes), false);
+  for (int e = 0; e < n_edges(shape); ++e) {
+    const auto& edge = shape.edge[static_cast<std::size_t>(e)];
+    const Eigen::Vector3d middle = (out.col(edge[0]) + out.col(edge[1])) / 2;
+    int nearest = -1;
+    for (int node = shape.n_corners; node < shape.n_nodes; ++node)
+      if (!is_taken[static_cast<std::size_t>(node)] &&
+          (nearest < 0 || (position.col(node) - middle).norm() < (position.col(nearest) - middle).norm()))
+        nearest = node;
+    is_taken[static_cast<std::size_t>(nearest)] = true;
+    out.col(shape.n_corners + e) = position.col(nearest);
+  }
+  return out;
+}
+
+}  // namespace
+
+JacobianMeasure::JacobianMeasure(ElementShape shape) {
+  const ElementTopology& t = topology(shape);
+  std::vector<Eigen::Vector3d> points;
+  for (const QuadraturePoint& point : element_quadrature(shape, n_check_points(shape))) points.push_back(point.xi);
+  for (std::size_t c = 0; c < static_cast<std::size_t>(t.n_corners); ++c)
+    points.push_back(Eigen::Vector3d::Map(t.coordinate[c].data()));
+  gradient_.resize(t.n_nodes, 3 * static_cast<Eigen::Index>(points.size()));
+  for (std::size_t p = 0; p < points.size(); ++p)
+    gradient_.middleCols<3>(3 * static_cast<Eigen::Index>(p)) = shape_gradient(shape, points[p]);
+}
+
+JacobianRange JacobianMeasure::of(const Eigen::Matrix3Xd& position) const {
+  const Eigen::Matrix3Xd jacobian = position.lazyProduct(gradient_);  // dX_J/dxi_k at all points side by side
+  JacobianRange range = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (Eigen::Index p = 0; p < jacobian.cols(); p += 3) {
+    const double determinant = jacobian.col(p).dot(jacobian.col(p + 1).cross(jacobian.col(p + 2)));
+    range.smallest = std::min(range.smallest, determinant);
+    range.largest = std::max(range.largest, determinant);
+  }
+  return range;
+}
+
+std::vector<MidsidePlace> midside_places(ElementShape shape, const Eigen::Matrix3Xd& position) {
+  const ElementTopology& t = topology(shape);
+  std::vector<MidsidePlace> places(static_cast<std::size_t>(n_edges(t)));
+  for (std::size_t e = 0; e < places.size(); ++e) {
+    const Eigen::Vector3d start = position.col(t.edge[e][0]), edge = position.col(t.edge[e][1]) - start;
+    const Eigen::Vector3d midside = position.col(t.n_corners + static_cast<Eigen::Index>(e)) - start;
+    places[e] = {midside.dot(edge) / edge.squaredNorm(), (midside - edge / 2).norm() / edge.norm()};
+  }
+  return places;
+}
+
+bool would_be_good_in_another_order(ElementShape shape, const Eigen::Matrix3Xd& position,
+                                    const JacobianMeasure& measure) {
+  for (const std::vector<int>& corners : known_corner_orders(shape)) {
+    const Eigen::Matrix3Xd other = reordered(topology(shape), position, corners);
+    if (!(measure.of(other).smallest > 0)) continue;
+    const auto places = midside_places(shape, other);
+    if (std::all_of(places.begin(), places.end(), [](const MidsidePlace& place) { return place.is_good(); }))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace couplet::solid
