@@ -89,7 +89,8 @@ void TangentMatrix::set_lumped_mass(const SolidMesh& mesh, const std::vector<Blo
   for (Index node = 0; node < mesh.n_nodes(); ++node) mass_[at(pairs_.start[at(node)])] = mass[node];
 }
 
-Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness, double mass) {
+Index TangentMatrix::assemble(const NodeVectors& displacement, const NodeVectors* increment, double stiffness,
+                              double mass) {
   std::atomic<Index> inverted{-1};
   team_.run([&](int member) {
     const auto pairs = share_of(pairs_.n_pairs(), member, team_.n_members());
@@ -103,7 +104,8 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness,
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
         const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)]);
+                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)],
+                                           increment ? increment->data() : nullptr);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();

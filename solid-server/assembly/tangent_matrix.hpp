@@ -28,8 +28,9 @@ class TangentMatrix {
   const std::vector<double>& blocks() const { return blocks_; }  // (n_pairs, 3, 3)
   const std::vector<double>& mass() const { return mass_; }      // m_ab, (n_pairs) [kg]
 
-  /// Returns the first element turned inside out (J not above 0, or not a number), or -1.
-  Index assemble(const NodeVectors& displacement, double stiffness, double mass);
+  /// Returns the first element turned inside out (J not above 0, or not a number), or -1. `increment`: see
+  /// TangentSolver::assemble.
+  Index assemble(const NodeVectors& displacement, const NodeVectors* increment, double stiffness, double mass);
 
   /// A_ab += C / 2 and A_ba += C^T / 2. False, and nothing is done, when the pair is not in the pattern.
   bool add_symmetric_part(Index a, Index b, const Eigen::Matrix3d& C);

@@ -57,11 +57,11 @@ TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockPrope
 
 TangentSolver::~TangentSolver() = default;
 
-Index TangentSolver::assemble(const NodeVectors& displacement, TangentWeights weights) {
+Index TangentSolver::assemble(const NodeVectors& displacement, TangentWeights weights, const NodeVectors* increment) {
   const Stopwatch stopwatch(parts_->cost.assembly_seconds);
   ++parts_->cost.n_assemblies;
   parts_->outside.clear();
-  return parts_->matrix.assemble(displacement, weights.stiffness, weights.mass);
+  return parts_->matrix.assemble(displacement, increment, weights.stiffness, weights.mass);
 }
 
 void TangentSolver::add(Index node_a, Index node_b, const Eigen::Matrix3d& block) {
@@ -106,6 +106,10 @@ NodeVectors TangentSolver::multiply(const NodeVectors& vector) const {
 
 NodeVectors TangentSolver::mass_times(const NodeVectors& vector) const {
   return parts_->on_free(parts_->matrix.mass_times(vector));
+}
+
+NodeVectors TangentSolver::mass_times_on_all(const NodeVectors& vector) const {
+  return parts_->matrix.mass_times(vector);
 }
 
 const FreeComponents& TangentSolver::free() const {

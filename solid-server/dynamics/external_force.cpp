@@ -154,4 +154,19 @@ Eigen::VectorXd ExternalForce::contact_stiffness_bound() const {
   return bound;
 }
 
+void ExternalForce::add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take) {
+  for (const PressedSurface& surface : pressures_)
+    pressure_stiffness(surface.faces, surface.pressure(time), displacement, take);
+  for (const PlaneContact& plane : planes_) {
+    const Eigen::Matrix3d along_normal = plane.normal() * plane.normal().transpose();
+    plane.stiffness(displacement.data(), [&](Index a, Index b, double s) { take(a, b, s * along_normal); });
+  }
+  for (const SurfaceContact::StiffnessTerm& term : surface_contact_.stiffness(displacement.data())) {
+    const Eigen::Matrix3d along_direction = term.stiffness * term.direction * term.direction.transpose();
+    for (std::size_t a = 0; a < static_cast<std::size_t>(term.n_nodes); ++a)
+      for (std::size_t b = 0; b < static_cast<std::size_t>(term.n_nodes); ++b)
+        take(term.node[a], term.node[b], term.weight[a] * term.weight[b] * along_direction);
+  }
+}
+
 }  // namespace couplet::solid

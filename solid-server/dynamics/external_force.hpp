@@ -5,6 +5,7 @@
 #include "solid-server/contact/rigid_plane.hpp"
 #include "solid-server/contact/surface_contact.hpp"
 #include "solid-server/load/dead_load.hpp"
+#include "solid-server/load/pressure_stiffness.hpp"
 #include "solid-server/load/surface_pressure.hpp"
 #include "solid-server/mesh/wetted_surface.hpp"
 
@@ -50,6 +51,8 @@ class ExternalForce {
   ContactTotal contact_total(const double* displacement);
   /// For each node, what contact adds to omega_max^2 times its mass at most [N/m].
   Eigen::VectorXd contact_stiffness_bound() const;
+  /// - d force / du of pressures and contact, for each pair of nodes.
+  void add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take);
 
  private:
   struct PressedSurface {
