@@ -148,6 +148,12 @@ bool TangentMatrix::add_symmetric_part(Index a, Index b, const Eigen::Matrix3d& 
   return true;
 }
 
+bool TangentMatrix::is_zero(Index a, Index b) const {
+  const Index pair = pairs_.find(a, b);
+  const auto first = blocks_.begin() + 9 * static_cast<std::ptrdiff_t>(pair);
+  return pair < 0 || std::all_of(first, first + 9, [](double entry) { return entry == 0; });
+}
+
 void TangentMatrix::set_extra_pairs(const std::vector<std::pair<Index, Index>>& extra) {
   const NodePairs before = std::move(pairs_);
   const std::vector<double> blocks = std::move(blocks_), mass = std::move(mass_);

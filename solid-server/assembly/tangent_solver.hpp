@@ -52,8 +52,8 @@ class TangentSolver {
 
   /// Adds the symmetric part of a contribution C (follower load, contact): call it for every pair of nodes (a, b) whose
   /// block C_ab = - d f_a / d u_b, times the stiffness weight, is not zero, (a, b) and (b, a) separately;
-  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements; the pattern then grows by
-  /// itself.
+  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements: the next factorise
+  /// then finds a new pattern, without the pairs that have come apart since the last one.
   void add(Index node_a, Index node_b, const Eigen::Matrix3d& block);
 
   /// L L^T, or L D L^T when the matrix is not positive definite. Throws NumericsError when the matrix has an entry that
