@@ -5,6 +5,7 @@
 #include "proto/participant/server_program.hpp"
 #include "proto/report/failure.hpp"
 #include "solid-server/service/estimate_solid.hpp"
+#include "solid-server/service/find_modes.hpp"
 #include "solid-server/service/solid_participant.hpp"
 
 namespace {
@@ -19,6 +20,8 @@ int serve_solid(int argc, char** argv) {
   program.estimate = [](const couplet::participant::OpenRequest& request) {
     return couplet::solid::estimate_solid(request, 0);
   };
+  program.verbs = {
+      {"modes", "find the lowest modes of free vibration of the bodies of a scene", couplet::solid::find_modes}};
   return couplet::participant::run_server_program(program, argc, argv);
 }
 

@@ -118,12 +118,22 @@ int run(const ServerProgram& program, const CommandLine& line) {
   });
 }
 
-int check(const ServerProgram& program, const CommandLine& line) {
-  const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
+OpenRequest read_request(const CommandLine& line) {
   OpenRequest request;
-  request.scene = file.scene;
+  request.scene = scene::load_scene(line.scene, line.settings).scene;
   request.scene_folder = std::filesystem::absolute(line.scene).parent_path().string();
-  const std::vector<NamedNumber> numbers = program.estimate(request);
+  return request;
+}
+
+int do_verb(const SceneVerb& verb, const CommandLine& line) {
+  OpenRequest request = read_request(line);
+  request.run_folder = line.alone.run_folder;
+  verb.work(request, line.server);
+  return 0;
+}
+
+int check(const ServerProgram& program, const CommandLine& line) {
+  const std::vector<NamedNumber> numbers = program.estimate(read_request(line));
   if (line.json) {
     nlohmann::ordered_json object;
     for (const auto& number : numbers) object[number.name] = {{"value", number.value}, {"unit", number.unit}};
@@ -187,6 +197,15 @@ void add_check(CLI::App& app, CommandLine& line) {
   check->add_flag("--json", line.json, "as one JSON object");
 }
 
+void add_verb(CLI::App& app, const SceneVerb& verb, CommandLine& line) {
+  auto* added = app.add_subcommand(verb.name, verb.purpose);
+  added->add_option("scene", line.scene, "scene file")->required();
+  added->add_option("--out", line.alone.run_folder, "folder for the results; without it they are only printed");
+  added->add_option("--set", line.settings, "PATH=VALUE changes a field of the scene")->take_all();
+  added->add_option("--threads", line.server.threads, "threads to compute with; 0: all cores")
+      ->check(CLI::NonNegativeNumber);
+}
+
 }  // namespace
 
 int run_server_program(const ServerProgram& program, int argc, char** argv) {
@@ -196,6 +215,7 @@ int run_server_program(const ServerProgram& program, int argc, char** argv) {
   add_serve(app, line);
   add_run(app, line);
   add_check(app, line);
+  for (const SceneVerb& verb : program.verbs) add_verb(app, verb, line);
   app.add_subcommand("version", "print version, commit and compiler");
   try {
     app.parse(argc, argv);
@@ -207,6 +227,8 @@ int run_server_program(const ServerProgram& program, int argc, char** argv) {
   if (verb == "serve") return serve(program, line);
   if (verb == "run") return run(program, line);
   if (verb == "check") return check(program, line);
+  for (const SceneVerb& other : program.verbs)
+    if (verb == other.name) return do_verb(other, line);
   return print_version(program);
 }
 

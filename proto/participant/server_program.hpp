@@ -1,5 +1,5 @@
 #pragma once
-// The command line that every server has: serve, run, check. A server adds its participant and nothing else.
+// The command line that every server has: serve, run, check. A server adds its participant and further verbs.
 
 #include <mpi.h>
 
@@ -18,6 +18,12 @@ struct ServerOptions {
   MPI_Comm ranks = MPI_COMM_NULL;
 };
 
+/// Something else that a server can do with a scene, besides running it: NAME SCENE [--out DIR] [--set ...].
+struct SceneVerb {
+  std::string name, purpose;
+  std::function<void(const OpenRequest&, const ServerOptions&)> work;  // run_folder: the folder of --out, or empty
+};
+
 struct ServerProgram {
   std::string name;     // "flow-server"
   std::string purpose;  // one sentence for --help
@@ -28,6 +34,7 @@ struct ServerProgram {
   std::function<void(const ServerOptions&)> follow;
   /// What a run of this scene would need: cells or degrees of freedom, memory, stable time step, cost. For `check`.
   std::function<std::vector<NamedNumber>(const OpenRequest&)> estimate;
+  std::vector<SceneVerb> verbs;
 };
 
 /// serve --listen ADDRESS [SCENE]   binds there, prints `listening ADDRESS`, serves one session, ends

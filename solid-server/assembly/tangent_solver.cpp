@@ -5,7 +5,6 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/assembly/sparse_cholesky.hpp"
-#include "solid-server/assembly/tangent_matrix.hpp"
 
 namespace couplet::solid {
 
@@ -49,11 +48,11 @@ struct TangentSolver::Parts {
 };
 
 TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
-                             const FreeComponents& free, WorkTeam& team)
-    : parts_(new Parts{free, team, TangentMatrix(mesh, properties, team), nullptr, {}, {}, {}}) {
+                             const FreeComponents& free, WorkTeam& team, MassForm mass_form)
+    : parts_(new Parts{free, team, TangentMatrix(mesh, properties, mass_form, team), nullptr, {}, {}, {}}) {
   if (!free.any())
     throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
-  parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free, team);
+  parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free);
 }
 
 TangentSolver::~TangentSolver() = default;
@@ -78,7 +77,7 @@ void TangentSolver::factorise() {
     parts_->extra.erase(std::unique(parts_->extra.begin(), parts_->extra.end()), parts_->extra.end());
     parts_->matrix.set_extra_pairs(parts_->extra);
     parts_->factors.reset();
-    parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), parts_->free, parts_->team);
+    parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), parts_->free);
     for (const auto& [a, b, block] : parts_->outside) parts_->matrix.add_symmetric_part(a, b, block);
     parts_->outside.clear();
   }
@@ -106,6 +105,10 @@ NodeVectors TangentSolver::multiply(const NodeVectors& vector) const {
 
 NodeVectors TangentSolver::mass_times(const NodeVectors& vector) const {
   return parts_->on_free(parts_->matrix.mass_times(vector));
+}
+
+const FreeComponents& TangentSolver::free() const {
+  return parts_->free;
 }
 
 Index TangentSolver::n_free() const {

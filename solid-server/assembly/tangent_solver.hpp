@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "solid-server/assembly/block_properties.hpp"
+#include "solid-server/assembly/tangent_matrix.hpp"
 #include "solid-server/support/free_components.hpp"
 
 namespace couplet::solid {
-
-class WorkTeam;
 
 /// A = stiffness * K(u) + mass * M: (1, 0) is the static tangent, (1, -omega^2) the one shifted to a frequency.
 struct TangentWeights {
@@ -24,7 +23,7 @@ struct TangentCost {
 };
 
 /// K(u) = d2(strain energy)/du2 is minus the derivative of the internal force, with geometric stiffness; M is the
-/// consistent mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
+/// mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
 /// them in its argument, while `multiply` and `mass_times` do: so a prescribed motion acts on the free components.
 ///
 /// The order of calls: assemble, any number of add, factorise, any number of solve. A solve uses the factors of the
@@ -37,7 +36,7 @@ class TangentSolver {
   /// The pattern of the matrix and the order of elimination are found here, once. Throws SceneError when no component
   /// is free, NumericsError when memory is not enough.
   TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, const FreeComponents& free,
-                WorkTeam& team);
+                WorkTeam& team, MassForm mass_form = MassForm::consistent);
   ~TangentSolver();
   TangentSolver(const TangentSolver&) = delete;
   TangentSolver& operator=(const TangentSolver&) = delete;
@@ -65,6 +64,7 @@ class TangentSolver {
   NodeVectors multiply(const NodeVectors& vector) const;    // A x
   NodeVectors mass_times(const NodeVectors& vector) const;  // M x
 
+  const FreeComponents& free() const;
   Index n_free() const;  // components
   const TangentCost& cost() const;
   std::size_t memory_bytes() const;  // of matrices, factors and plans

@@ -27,7 +27,7 @@ double seconds_per_substep(SolidModel& model, double duration) {
 }  // namespace
 
 std::vector<participant::NamedNumber> estimate_solid(const participant::OpenRequest& request, int threads) {
-  SolidSetup setup = make_setup(request.scene.solid());
+  SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
   setup.n_threads = worthwhile_threads(threads, setup.mesh.n_elements());
   const int n_threads = setup.n_threads;
   SolidModel model(std::move(setup));

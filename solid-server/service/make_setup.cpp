@@ -6,67 +6,79 @@
 #include "proto/report/failure.hpp"
 #include "proto/scene/expression.hpp"
 #include "proto/scene/make_time_table.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
-#include "solid-server/mesh/vocal_fold_mesh.hpp"
+#include "solid-server/service/make_material.hpp"
+#include "solid-server/service/make_mesh.hpp"
 
 namespace couplet::solid {
 
 namespace {
 
-SolidMesh make_fold(const v1::VocalFoldMesh& fold) {
-  VocalFoldShape shape;
-  shape.section.medial_thickness = fold.medial_thickness();
-  shape.section.width = fold.width();
-  shape.section.depth = fold.depth();
-  shape.section.superior_lean = fold.superior_lean();
-  shape.section.inferior_bulge = fold.inferior_bulge();
-  shape.section.inferior_fillet = fold.inferior_fillet();
-  shape.section.superior_fillet = fold.superior_fillet();
-  shape.length = fold.length();
-  shape.x_offset = fold.x_offset();
-  shape.n_elements = {fold.elements_x(), fold.elements_y(), fold.elements_z()};
-  shape.half_length = fold.half_length();
-  return make_vocal_fold_mesh(shape);
+std::string entry(const std::string& list, int index) {
+  return list + "[" + std::to_string(index) + "]";
 }
 
-SolidMesh make_box(const v1::BoxMesh& box) {
-  return make_box_mesh(
-      {{box.length().x(), box.length().y(), box.length().z()}, {box.elements_x(), box.elements_y(), box.elements_z()}});
+Eigen::Vector3d vector(const v1::Vector& v) {
+  return {v.x(), v.y(), v.z()};
 }
 
-SolidMesh make_mesh(const v1::Body& body) {
-  switch (body.mesh_case()) {
-    case v1::Body::kVocalFold:
-      return make_fold(body.vocal_fold());
-    case v1::Body::kBox:
-      return make_box(body.box());
-    case v1::Body::MESH_NOT_SET:
-      break;
+VectorOverTime make_vector(const v1::VectorTable& table) {
+  return [direction = vector(table.direction()), value = scene::make_time_table(table.value())](double time) {
+    return Eigen::Vector3d(value.at(time) * direction);
+  };
+}
+
+ElementFormulation formulation_of(const v1::Body& body, ElementShape shape) {
+  if (shape == ElementShape::hexahedron8) return ElementFormulation::stabilised;
+  if (body.near_incompressible() && shape == ElementShape::hexahedron20) return ElementFormulation::near_incompressible;
+  return ElementFormulation::standard;
+}
+
+int n_points_of(const v1::Body& body, ElementShape shape) {
+  if (shape == ElementShape::hexahedron8) return 1;
+  if (shape == ElementShape::tetrahedron10) return 4;
+  if (body.has_points_per_element()) return body.points_per_element();
+  return body.near_incompressible() ? 27 : 8;
+}
+
+/// What each block of a body is made of: the material of its region, or that of the body.
+std::vector<BlockProperties> make_properties(const v1::Body& body, const SolidMesh& mesh, const std::string& where) {
+  std::vector<BlockProperties> properties;
+  for (const ElementBlock& block : mesh.block) {
+    const auto region = std::find_if(body.region().begin(), body.region().end(),
+                                     [&](const v1::Region& r) { return r.name() == block.region; });
+    const bool has_own = region != body.region().end();
+    if (!has_own && !body.has_material())
+      throw report::SceneError(where, "the region \"" + block.region + "\" of the mesh has no material",
+                               "give region { name: \"" + block.region + "\" ... }, or material for all other regions");
+    const v1::Material& material = has_own ? region->material() : body.material();
+    const std::string place =
+        has_own ? entry(where + ".region", static_cast<int>(region - body.region().begin())) : where;
+    properties.push_back({make_material(material, place + ".material"), material.density(),
+                          n_points_of(body, block.shape), formulation_of(body, block.shape)});
   }
-  throw report::SceneError("solid.body[0]", "the body has no mesh", "give vocal_fold or box");
-}
-
-Material make_material(const v1::Material& material) {
-  switch (material.law_case()) {
-    case v1::Material::kSaintVenantKirchhoff:
-      return SaintVenantKirchhoff::from_young(material.saint_venant_kirchhoff().young_modulus(),
-                                              material.saint_venant_kirchhoff().poisson_ratio());
-    case v1::Material::kMooneyRivlin:
-      return MooneyRivlin{material.mooney_rivlin().a10(), material.mooney_rivlin().a01(),
-                          material.mooney_rivlin().bulk_modulus()};
-    case v1::Material::LAW_NOT_SET:
-      break;
+  for (int r = 0; r < body.region_size(); ++r) {
+    const std::string& name = body.region(r).name();
+    if (std::none_of(mesh.block.begin(), mesh.block.end(), [&](const auto& block) { return block.region == name; }))
+      throw report::SceneError(entry(where + ".region", r) + ".name", "the mesh has no region \"" + name + "\"",
+                               "name one of its regions");
   }
-  throw report::SceneError("solid.body[0].material", "the material has no law",
-                           "give saint_venant_kirchhoff or mooney_rivlin");
+  return properties;
 }
 
-Supports make_supports(const v1::Body& body) {
-  Supports supports;
-  supports.fixed.assign(body.fixed().begin(), body.fixed().end());
+/// Adds what a body names for itself; with several bodies, under their own names.
+void add_body(const v1::Body& body, const std::string& prefix, SolidSetup& setup) {
+  for (const std::string& name : body.fixed()) setup.supports.fixed.push_back(prefix + name);
   for (const v1::Symmetry& symmetry : body.symmetry())
-    supports.symmetry.push_back({symmetry.surface(), symmetry.normal() - v1::Symmetry::X});
-  return supports;
+    setup.supports.symmetry.push_back({prefix + symmetry.surface(), symmetry.normal() - v1::Symmetry::X});
+  for (const std::string& name : body.wetted()) setup.wetted.push_back(prefix + name);
+}
+
+void refuse_different_damping(const v1::Solid& solid) {
+  for (int b = 1; b < solid.body_size(); ++b)
+    if (solid.body(b).mass_damping() != solid.body(0).mass_damping() ||
+        solid.body(b).stiffness_damping() != solid.body(0).stiffness_damping())
+      throw report::SceneError(entry("solid.body", b), "the damping differs from that of the first body",
+                               "give all bodies the same mass_damping and stiffness_damping");
 }
 
 Kick make_kick(const v1::Kick& kick) {
@@ -83,26 +95,70 @@ PressureLoad make_pressure(const v1::PressureLoad& load) {
   return {load.surface(), [table = scene::make_time_table(load.value())](double time) { return table.at(time); }};
 }
 
+RigidPlane make_plane(const v1::RigidPlane& plane) {
+  RigidPlane out{{0, plane.y(), 0}, -Eigen::Vector3d::UnitY(), plane.stiffness(), {}};
+  if (plane.has_plane()) {
+    out.point = vector(plane.plane().point());
+    out.normal = vector(plane.plane().normal());
+  }
+  out.surfaces.assign(plane.surface().begin(), plane.surface().end());
+  return out;
+}
+
+ContactPair make_contact(const v1::Contact& contact) {
+  ContactPair pair;
+  pair.first = contact.first();
+  pair.second = contact.second();
+  pair.stiffness = contact.stiffness();  // absent: 0, from the elements
+  pair.distance = contact.distance();
+  pair.cancels_interface_load = contact.cancel_interface_load();
+  return pair;
+}
+
+void add_loads(const v1::Solid& solid, SolidSetup& setup) {
+  for (const v1::PressureLoad& load : solid.pressure()) setup.pressures.push_back(make_pressure(load));
+  for (const v1::TractionLoad& load : solid.traction())
+    setup.tractions.push_back({load.surface(), make_vector(load.value())});
+  for (const v1::NodeForceLoad& load : solid.node_force())
+    setup.node_forces.push_back({load.nodes(), make_vector(load.value())});
+  if (solid.has_gravity()) setup.gravity = make_vector(solid.gravity());
+}
+
 }  // namespace
 
-SolidSetup make_setup(const v1::Solid& solid) {
-  if (solid.body_size() != 1)
-    throw report::SceneError("solid.body", std::to_string(solid.body_size()) + " bodies", "give one body");
-  const v1::Body& body = solid.body(0);
+SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene_folder) {
+  refuse_different_damping(solid);
   SolidSetup setup;
-  setup.mesh = make_mesh(body);
-  setup.properties = {{make_material(body.material()), body.material().density(), body.points_per_element()}};
-  setup.supports = make_supports(body);
-  setup.wetted.assign(body.wetted().begin(), body.wetted().end());
-  setup.damping = {body.mass_damping(), solid.settling().until(), solid.settling().mass_damping()};
-  setup.damping.stiffness_factor = body.stiffness_damping();
+  std::vector<SolidMesh> meshes;
+  std::vector<std::string> names;
+  for (int b = 0; b < solid.body_size(); ++b) {
+    const v1::Body& body = solid.body(b);
+    meshes.push_back(make_mesh(body, entry("solid.body", b), scene_folder));
+    names.push_back(body.name());
+    for (BlockProperties& properties : make_properties(body, meshes.back(), entry("solid.body", b)))
+      setup.properties.push_back(std::move(properties));
+    add_body(body, solid.body_size() > 1 ? body.name() + "/" : "", setup);
+  }
+  setup.mesh = join_bodies(std::move(meshes), names);
+  add_loads(solid, setup);
+  setup.damping = {solid.body(0).mass_damping(), solid.settling().until(), solid.settling().mass_damping()};
+  setup.damping.stiffness_factor = solid.body(0).stiffness_damping();
   for (const v1::Kick& kick : solid.kick()) setup.kicks.push_back(make_kick(kick));
-  for (const v1::PressureLoad& load : solid.pressure()) setup.pressures.push_back(make_pressure(load));
-  for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back({plane.y(), plane.stiffness()});
+  for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back(make_plane(plane));
+  for (const v1::Contact& contact : solid.contact()) setup.contacts.push_back(make_contact(contact));
   setup.step.safety = solid.time_integration().safety();
   setup.step.largest_substep = solid.time_integration().largest_substep();
   setup.step.estimate_every = solid.time_integration().estimate_every();
   return setup;
+}
+
+OrificeShape make_orifice_shape(const v1::Orifice& orifice) {
+  return {orifice.name(),
+          {orifice.surface().begin(), orifice.surface().end()},
+          orifice.axis() - v1::Symmetry::X,
+          vector(orifice.centre()),
+          orifice.radius(),
+          orifice.cells()};
 }
 
 int worthwhile_threads(int wanted, Index n_elements) {

@@ -23,6 +23,8 @@ store::CellShape cell_shape(ElementShape shape) {
   return store::CellShape::mixed;
 }
 
+}  // namespace
+
 store::ResultMesh result_mesh(const SolidMesh& mesh) {
   store::ResultMesh out;
   out.shape = cell_shape(mesh.block.front().shape);
@@ -37,8 +39,6 @@ store::ResultMesh result_mesh(const SolidMesh& mesh) {
     }
   return out;
 }
-
-}  // namespace
 
 ResultOutput::ResultOutput(const v1::Output& output, const std::string& run_folder, const std::string& name,
                            const SolidMesh& mesh, double time)

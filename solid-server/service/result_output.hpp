@@ -9,6 +9,8 @@
 
 namespace couplet::solid {
 
+store::ResultMesh result_mesh(const SolidMesh& mesh);
+
 /// Stores displacement and velocity at the first accepted state at or after each multiple of results_interval from
 /// results_start on. Does nothing when the scene names no interval or there is no run folder.
 class ResultOutput {

@@ -48,7 +48,7 @@ void check_start(const participant::StepInterval& interval, double accepted_time
 
 participant::Opened SolidParticipant::open(const participant::OpenRequest& request) {
   const Stopwatch watch(seconds_);
-  SolidSetup setup = make_setup(request.scene.solid());
+  SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
   setup.n_threads = worthwhile_threads(options_.threads, setup.mesh.n_elements());
   model_ = std::make_unique<SolidModel>(std::move(setup));
   if (!request.resume_from.empty()) model_->resume(read_checkpoint(request.resume_from, model_->accepted()));
@@ -59,8 +59,13 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   results_->accept(motion);
 
   needs_force_ = request.scene.has_flow();
+  offered_ = needs_force_ ? offer_wetted(model_->wetted()) : offer_probed(model_->mesh(), request.scene.output());
+  orifices_.clear();
+  for (const v1::Orifice& orifice : request.scene.solid().orifice())
+    orifices_.emplace_back(model_->mesh(), make_orifice_shape(orifice),
+                           "solid.orifice[" + std::to_string(orifices_.size()) + "]");
   participant::Opened opened;
-  opened.surface = model_->wetted().surface;
+  opened.surface = offered_.surface;
   opened.time = motion.time;
   if (needs_force_) opened.needs = {"force"};
   opened.offers = {"displacement", "velocity"};
@@ -86,11 +91,15 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
   model_->accept_step();
   results_->accept(model_->accepted().motion);
   const SolidEnergy energy = model_->energy();
-  return {{"solid.kinetic_energy", energy.kinetic, "J"},
-          {"solid.strain_energy", energy.strain, "J"},
-          {"solid.contact_energy", energy.contact, "J"},
-          {"solid.contact_force", energy.contact_force, "N"},
-          {"solid.substeps", static_cast<double>(model_->n_substeps_of_last_step()), "1"}};
+  std::vector<participant::NamedNumber> numbers = {
+      {"solid.kinetic_energy", energy.kinetic, "J"},
+      {"solid.strain_energy", energy.strain, "J"},
+      {"solid.contact_energy", energy.contact, "J"},
+      {"solid.contact_force", energy.contact_force, "N"},
+      {"solid.substeps", static_cast<double>(model_->n_substeps_of_last_step()), "1"}};
+  for (Orifice& orifice : orifices_)
+    numbers.push_back({orifice.name(), orifice.area(model_->accepted().motion.displacement), "m^2"});
+  return numbers;
 }
 
 std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {
@@ -114,7 +123,7 @@ std::vector<participant::NamedNumber> SolidParticipant::close(const std::string&
 }
 
 surface::FieldSet SolidParticipant::fields_at_surface(const Motion& motion) const {
-  const auto& nodes = model_->wetted().solid_node;
+  const auto& nodes = offered_.solid_node;
   const auto at_surface = [&](const NodeVectors& values) {
     surface::NodeArray out(static_cast<Eigen::Index>(nodes.size()), 3);
     for (std::size_t n = 0; n < nodes.size(); ++n)

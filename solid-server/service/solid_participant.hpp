@@ -3,14 +3,18 @@
 
 #include "proto/participant/participant.hpp"
 #include "proto/participant/server_program.hpp"
+#include "solid-server/output/orifice.hpp"
+#include "solid-server/service/offered_surface.hpp"
 #include "solid-server/service/result_output.hpp"
 #include "solid-server/solid_model.hpp"
 
 namespace couplet::solid {
 
-/// Needs force (when the scene has a flow), offers displacement and velocity of the wetted nodes. accept_step reports
+/// Needs force (when the scene has a flow), offers displacement and velocity of the wetted nodes; alone,
+/// of the markers and probed nodes. accept_step reports
 /// solid.kinetic_energy, solid.strain_energy, solid.contact_energy [J], solid.contact_force [N] of the accepted state
-/// and solid.substeps of its step.
+/// solid.substeps of its step, and
+/// the open area of each orifice [m^2].
 class SolidParticipant : public participant::Participant {
  public:
   explicit SolidParticipant(participant::ServerOptions options) : options_(options) {}
@@ -29,6 +33,8 @@ class SolidParticipant : public participant::Participant {
   participant::ServerOptions options_;
   std::unique_ptr<SolidModel> model_;
   std::unique_ptr<ResultOutput> results_;
+  OfferedSurface offered_;
+  std::vector<Orifice> orifices_;
   bool needs_force_ = false;
   double seconds_ = 0;  // of computation
 };

@@ -1,0 +1,381 @@
+#include "solid-server/contact/surface_contact.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/report/failure.hpp"
+#include "solid-server/contact/closest_point.hpp"
+#include "solid-server/dynamics/work_team.hpp"
+#include "solid-server/element/element_packs.hpp"
+#include "solid-server/element/shape_functions.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+constexpr Index width = NodeVectors::ColsAtCompileTime;
+
+// The search lists faces a quarter of a face further than they count: few searches, short lists.
+constexpr double skin_per_face_size = 0.25;
+
+// Distances that differ by less than this share of the reach are those of one point on an edge between two faces.
+constexpr double same_distance = 1e-10;
+
+std::size_t at(Index n) {
+  return static_cast<std::size_t>(n);
+}
+
+/// The nodes of the surfaces, rising.
+std::vector<Index> nodes_of_pairs(const SolidMesh& mesh, const std::vector<ContactPair>& pairs) {
+  std::vector<ElementFace> faces;
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    const std::string where = "solid.contact[" + std::to_string(n) + "].";
+    for (const auto& [name, field] : {std::pair(&pairs[n].first, "first"), std::pair(&pairs[n].other(), "second")}) {
+      const auto& surface = mesh.find_surface(*name, where + field);
+      if (surface.empty())
+        throw report::SceneError(where + field, "the surface \"" + *name + "\" has no faces", "name another surface");
+      faces.insert(faces.end(), surface.begin(), surface.end());
+    }
+  }
+  return nodes_of_faces(mesh, faces);
+}
+
+void check(const ContactPair& pair, const std::string& where) {
+  const auto refuse_unless = [&](bool is_good, const char* field, double value, const char* rule) {
+    if (!is_good)
+      throw report::SceneError(where + field, "the value " + report::text(value) + " is not possible", rule);
+  };
+  refuse_unless(pair.stiffness > 0 && std::isfinite(pair.stiffness), "stiffness", pair.stiffness,
+                "choose a stiffness above 0 Pa/m");
+  refuse_unless(pair.distance >= 0 && std::isfinite(pair.distance), "distance", pair.distance,
+                "choose a distance of 0 m or more");
+  refuse_unless(pair.largest_depth > 0 && std::isfinite(pair.largest_depth), "largest_depth", pair.largest_depth,
+                "choose a depth above 0 m and below the thickness of the body");
+}
+
+/// A smooth step: 0 for x <= 0, 1 for x >= 1.
+double smooth_step(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+double shape_sum(const std::array<double, max_face_nodes>& shape) {
+  double sum = 0;
+  for (const double N : shape) sum += std::abs(N);
+  return sum;
+}
+
+}  // namespace
+
+SurfaceContact::SurfaceContact(const SolidMesh& mesh, std::vector<ContactPair> pairs)
+    : pairs_(std::move(pairs)), node_(nodes_of_pairs(mesh, pairs_)), contact_node_(at(mesh.n_nodes()), -1) {
+  rest_.resize(node_.size());
+  for (std::size_t n = 0; n < node_.size(); ++n) {
+    contact_node_[at(node_[n])] = static_cast<Index>(n);
+    const auto row = mesh.node_position.row(node_[n]);
+    rest_[n] = NodeQuad{row[0], row[1], row[2], 0};
+  }
+  x_ = rest_;
+  for (std::size_t n = 0; n < pairs_.size(); ++n) {
+    const ContactPair& pair = pairs_[n];
+    const std::string where = "solid.contact[" + std::to_string(n) + "].";
+    check(pair, where);
+    const std::size_t first = region_of(mesh, pair.first, where + "first");
+    const std::size_t second = region_of(mesh, pair.other(), where + "second");
+    add_side(first, second, pair);
+    if (pair.is_symmetric && first != second) add_side(second, first, pair);
+  }
+  factor_.assign(node_.size(), 1);
+  cancelled_area_.assign(node_.size(), 0);
+  area_.assign(node_.size(), 0);
+  holds_force_.assign(node_.size(), 0);
+  for (const Side& side : sides_)
+    for (const ContactPoint& point : region_[side.points].point)
+      for (std::size_t a = 0; a < max_face_nodes; ++a)
+        area_[at(region_[side.points].face[at(point.face)].node[a])] += std::abs(point.shape[a]) * point.area;
+}
+
+std::size_t SurfaceContact::region_of(const SolidMesh& mesh, const std::string& surface, const std::string& where) {
+  const auto known = std::find(region_name_.begin(), region_name_.end(), surface);
+  if (known != region_name_.end()) return static_cast<std::size_t>(known - region_name_.begin());
+  std::vector<FaceNodes> faces;
+  for (const ElementFace& face : mesh.find_surface(surface, where)) faces.push_back(mesh.nodes_of(face));
+  region_.push_back(make_contact_region(faces, contact_node_, rest_));
+  region_name_.push_back(surface);
+  box_.emplace_back(faces.size());
+  find_boxes(region_.size() - 1);
+  return region_.size() - 1;
+}
+
+void SurfaceContact::add_side(std::size_t points, std::size_t faces, const ContactPair& pair) {
+  const ContactRegion &own = region_[points], &other = region_[faces];
+  double area = 0;
+  for (const ContactPoint& point : other.point) area += point.area;
+  SearchReach reach;
+  reach.reach = std::max(pair.distance, pair.largest_depth);
+  reach.skin = skin_per_face_size * std::sqrt(area / static_cast<double>(other.face.size()));
+  if (points == faces) reach.neighbour_distance = 2 * pair.distance;
+  // In self-contact both parts of the surface are points and faces in turn already.
+  const bool is_half = pair.is_symmetric || points == faces;
+  Side side{points,
+            faces,
+            is_half ? pair.stiffness / 2 : pair.stiffness,
+            pair.distance,
+            pair.largest_depth,
+            pair.cancels_interface_load,
+            ContactSearch(other, rest_, reach),
+            {},
+            {}};
+  side.threshold.assign(own.point.size(), pair.distance);
+  side.search.update(own, other, rest_);
+  const auto& active = side.search.active_point();
+  for (std::size_t n = 0; n < active.size(); ++n) {
+    const Touch at_rest = touch_of(side, own.position(own.point[at(active[n])], rest_), side.search.faces_near(n));
+    if (at_rest.face >= 0) side.threshold[at(active[n])] = std::min(pair.distance, at_rest.distance);
+  }
+  sides_.push_back(std::move(side));
+}
+
+/// The closest of some faces; its gap is left open. face = -1: none within reach.
+SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad& x,
+                                               std::span<const Index> faces) const {
+  const ContactRegion& region = region_[side.faces];
+  const double reach = side.search.reach().reach, tolerance = same_distance * reach;
+  Touch touch;
+  double closest = reach, alignment = 0;
+  FaceCoordinates where{0, 0};
+  const auto try_face = [&](Index f) {
+    const ContactFace& face = region.face[at(f)];
+    const CurvedFace curved = face.curved(x_);
+    const ClosestPoint found = closest_point(curved, x, closest + tolerance);
+    if (found.distance > closest + tolerance || found.distance > reach) return;
+
+    const NodeQuad normal = curved.normal(found.at), r = x - found.position;
+    const double height = dot(r, normal);
+    // Of two faces with the same closest point on their edge, the one that looks more towards x knows the side.
+    const bool is_tie = touch.face >= 0 && found.distance > closest - tolerance;
+    if (is_tie && std::abs(height) <= alignment) return;
+    closest = found.distance;
+    alignment = std::abs(height);
+    touch.face = f;
+    where = found.at;
+    if (found.edge < 0) {
+      touch.distance = height;
+      touch.direction = normal;
+      return;
+    }
+    const bool is_open = found.corner >= 0 ? face.is_open_corner[at(found.corner)] : face.is_open_edge[at(found.edge)];
+    const double sign = is_open || height >= 0 ? 1 : -1;
+    touch.distance = sign * found.distance;
+    touch.direction = found.distance > tolerance ? r * (sign / found.distance) : normal;
+  };
+
+  // The face with the nearest box first: then most others are seen to be further away without a look at them.
+  const std::vector<Box>& box = box_[side.faces];
+  Index nearest = -1;
+  double to_nearest = reach * reach;
+  for (const Index f : faces)
+    if (const double to_this = squared_distance(x, box[at(f)]); to_this < to_nearest) {
+      nearest = f;
+      to_nearest = to_this;
+    }
+  if (nearest < 0) return touch;
+  try_face(nearest);
+  for (const Index f : faces) {
+    const double furthest = closest + tolerance;
+    if (f != nearest && squared_distance(x, box[at(f)]) <= furthest * furthest) try_face(f);
+  }
+  if (touch.face >= 0) {
+    const auto shape = shape_values(region.face[at(touch.face)].shape, where);
+    std::copy(shape.begin(), shape.end(), touch.shape.begin());
+  }
+  return touch;
+}
+
+void SurfaceContact::find_boxes(std::size_t region) {
+  for (std::size_t f = 0; f < box_[region].size(); ++f) box_[region][f] = region_[region].face[f].curved(x_).box();
+}
+
+void SurfaceContact::search(const double* displacement) {
+  for (std::size_t n = 0; n < node_.size(); ++n) x_[n] = rest_[n] + load_quad(displacement + width * node_[n]);
+  is_active_ = false;
+  std::vector<char> is_near(region_.size(), 0);
+  for (Side& side : sides_) {
+    side.search.update(region_[side.points], region_[side.faces], x_);
+    side.touch.resize(side.search.active_point().size());
+    is_active_ |= !side.touch.empty();
+    if (!side.touch.empty()) is_near[side.faces] = 1;
+  }
+  for (std::size_t r = 0; r < region_.size(); ++r)
+    if (is_near[r]) find_boxes(r);
+}
+
+void SurfaceContact::find_gaps(int member, int n_members) {
+  for (Side& side : sides_) {
+    const ContactRegion& own = region_[side.points];
+    const auto [first, last] = share_of(static_cast<int>(side.touch.size()), member, n_members);
+    for (auto n = at(first); n < at(last); ++n) {
+      const Index p = side.search.active_point()[n];
+      Touch& touch = side.touch[n];
+      touch = touch_of(side, own.position(own.point[at(p)], x_), side.search.faces_near(n));
+      const bool is_near = touch.face >= 0 && touch.distance >= -side.largest_depth;
+      touch.gap = is_near ? std::max(0.0, side.threshold[at(p)] - touch.distance) : 0;
+    }
+  }
+}
+
+/// Calls visit(side, point, touch) for all points that touch, in a fixed order.
+template <class Visit>
+void SurfaceContact::for_each_touch(const Visit& visit) const {
+  for (const Side& side : sides_)
+    for (std::size_t n = 0; n < side.touch.size(); ++n)
+      if (side.touch[n].gap > 0)
+        visit(side, region_[side.points].point[at(side.search.active_point()[n])], side.touch[n]);
+}
+
+/// Calls visit(contact node, c_a, whether it is on the point's own face): N_a, then - N_b.
+template <class Visit>
+void SurfaceContact::scatter(const Side& side, const ContactPoint& point, const Touch& touch,
+                             const Visit& visit) const {
+  const ContactFace& own = region_[side.points].face[at(point.face)];
+  const ContactFace& other = region_[side.faces].face[at(touch.face)];
+  for (std::size_t a = 0; a < at(n_nodes_of(own.shape)); ++a) visit(own.node[a], point.shape[a], true);
+  for (std::size_t a = 0; a < at(n_nodes_of(other.shape)); ++a) visit(other.node[a], -touch.shape[a], false);
+}
+
+void SurfaceContact::write(int member, int n_members, double* force) {
+  const auto [first, last] = share_of(n_nodes(), member, n_members);
+  if (first == last) return;
+  if (!is_active_ && !holds_force_[at(first)]) return;
+  holds_force_[at(first)] = is_active_;
+  std::fill(force + width * first, force + width * last, 0.0);
+  std::fill(cancelled_area_.begin() + first, cancelled_area_.begin() + last, 0.0);
+
+  for_each_touch([&, first = first, last = last](const Side& side, const ContactPoint& point, const Touch& touch) {
+    const NodeQuad push = (side.stiffness * point.area * touch.gap) * touch.direction;
+    const double cancelled = side.cancels_interface_load && side.distance > 0
+                                 ? smooth_step(touch.gap / (cancelling_range * side.distance)) * point.area
+                                 : 0;
+    scatter(side, point, touch, [&, first = first, last = last](Index node, double weight, bool is_own) {
+      if (node < first || node >= last) return;
+      const NodeQuad sum = load_quad(force + width * node) + weight * push;
+      std::memcpy(force + width * node, &sum, sizeof sum);
+      if (is_own) cancelled_area_[at(node)] += cancelled * std::abs(weight);
+    });
+  });
+  for (auto n = at(first); n < at(last); ++n) factor_[n] = area_[n] > 0 ? 1 - cancelled_area_[n] / area_[n] : 1;
+}
+
+void SurfaceContact::find_all(const double* displacement) {
+  search(displacement);
+  find_gaps(0, 1);
+}
+
+SurfaceContact::Total SurfaceContact::total(const double* displacement) {
+  find_all(displacement);
+  Total total;
+  for (const Side& side : sides_) total.smallest_distance = std::max(total.smallest_distance, side.distance);
+  for_each_touch([&](const Side& side, const ContactPoint& point, const Touch& touch) {
+    const double stiffness = side.stiffness * point.area;
+    total.energy += stiffness / 2 * touch.gap * touch.gap;
+    total.force += stiffness * touch.gap;
+    total.smallest_distance = std::min(total.smallest_distance, touch.distance);
+    ++total.n_touching;
+  });
+  return total;
+}
+
+double SurfaceContact::add(const double* displacement, double* force) {
+  const double energy = total(displacement).energy;
+  for_each_touch([&](const Side& side, const ContactPoint& point, const Touch& touch) {
+    const NodeQuad push = (side.stiffness * point.area * touch.gap) * touch.direction;
+    scatter(side, point, touch, [&](Index node, double weight, bool) {
+      for (int i = 0; i < 3; ++i) force[width * node_[at(node)] + i] += weight * push[i];
+    });
+  });
+  return energy;
+}
+
+std::vector<SurfaceContact::StiffnessTerm> SurfaceContact::stiffness(const double* displacement) {
+  find_all(displacement);
+  std::vector<StiffnessTerm> terms;
+  for_each_touch([&](const Side& side, const ContactPoint& point, const Touch& touch) {
+    StiffnessTerm term{};
+    scatter(side, point, touch, [&](Index node, double weight, bool) {
+      term.node[at(term.n_nodes)] = node_[at(node)];
+      term.weight[at(term.n_nodes++)] = weight;
+    });
+    term.direction = {touch.direction[0], touch.direction[1], touch.direction[2]};
+    term.stiffness = side.stiffness * point.area;
+    terms.push_back(term);
+  });
+  return terms;
+}
+
+std::vector<std::pair<Index, Index>> SurfaceContact::coupled_nodes(const double* displacement) {
+  search(displacement);
+  std::vector<std::pair<Index, Index>> face_pairs, pairs;
+  for (const Side& side : sides_) {
+    face_pairs.clear();
+    for (std::size_t n = 0; n < side.touch.size(); ++n)
+      for (const Index f : side.search.faces_near(n))
+        face_pairs.emplace_back(region_[side.points].point[at(side.search.active_point()[n])].face, f);
+    std::sort(face_pairs.begin(), face_pairs.end());
+    face_pairs.erase(std::unique(face_pairs.begin(), face_pairs.end()), face_pairs.end());
+    for (const auto& [own, other] : face_pairs) {
+      std::vector<Index> nodes;
+      for (const ContactFace* face : {&region_[side.points].face[at(own)], &region_[side.faces].face[at(other)]})
+        for (std::size_t a = 0; a < at(n_nodes_of(face->shape)); ++a) nodes.push_back(node_[at(face->node[a])]);
+      for (const Index a : nodes)
+        for (const Index b : nodes)
+          if (a < b) pairs.emplace_back(a, b);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+/// With u the motion of points and w that of faces, (N.u - N.w)^2 <= 2 (N.u)^2 + 2 (N.w)^2: each surface counts alone,
+/// twice, with sum over b of |d f_a / d x_b| = k A |N_a| sum |N_b|. On the faces the points of the other surface may
+/// lie anywhere: as dense as the faces' own points, but no face has less than the area of one of them.
+Eigen::VectorXd SurfaceContact::stiffness_bound(Index n_nodes_of_mesh) const {
+  Eigen::VectorXd bound = Eigen::VectorXd::Zero(n_nodes_of_mesh);
+  for (const Side& side : sides_) {
+    const auto add = [&](const ContactRegion& region, const ContactPoint& point, double area) {
+      const double factor = 2 * side.stiffness * area * shape_sum(point.shape);
+      const ContactFace& face = region.face[at(point.face)];
+      for (std::size_t a = 0; a < max_face_nodes; ++a)
+        bound[node_[at(face.node[a])]] += factor * std::abs(point.shape[a]);
+    };
+    double largest_area = 0;
+    for (const ContactPoint& point : region_[side.points].point) {
+      add(region_[side.points], point, point.area);
+      largest_area = std::max(largest_area, point.area);
+    }
+    const ContactRegion& faces = region_[side.faces];
+    std::vector<double> face_area(faces.face.size(), 0);
+    for (const ContactPoint& point : faces.point) face_area[at(point.face)] += point.area;
+    for (const ContactPoint& point : faces.point) {
+      const double own = face_area[at(point.face)];
+      add(faces, point, point.area * std::max(1.0, largest_area / own));
+    }
+  }
+  return bound;
+}
+
+long SurfaceContact::n_searches() const {
+  long n = 0;
+  for (const Side& side : sides_) n += side.search.n_searches();
+  return n;
+}
+
+std::size_t SurfaceContact::memory_bytes() const {
+  std::size_t bytes = (rest_.size() + x_.size()) * sizeof(NodeQuad);
+  for (const Side& side : sides_) bytes += side.touch.capacity() * sizeof(Touch) + 2 * rest_.size() * sizeof(NodeQuad);
+  for (const ContactRegion& region : region_)
+    bytes += region.face.size() * sizeof(ContactFace) + region.point.size() * sizeof(ContactPoint);
+  return bytes;
+}
+
+}  // namespace couplet::solid
