@@ -10,11 +10,16 @@ from pathlib import Path
 sys.path.insert(0, "@CMAKE_SOURCE_DIR@/tests/benchmarks/solid_peer")
 import calculix  # noqa: E402
 import couplet  # noqa: E402
+import dynamic_cases  # noqa: E402
+import other_cases  # noqa: E402
+import picture  # noqa: E402
 import static_cases  # noqa: E402
 from table import Table  # noqa: E402
 
-CASES = {"flag": static_cases.static_flag, "cantilever": static_cases.cantilever, "sphere": static_cases.hollow_sphere,
-         "cylinder": static_cases.hollow_cylinder}
+CASES = {"flag": static_cases.static_flag, "csm3": dynamic_cases.csm3, "cantilever": static_cases.cantilever,
+         "sphere": static_cases.hollow_sphere, "cylinder": static_cases.hollow_cylinder, "swing": dynamic_cases.first_swing,
+         "modes": other_cases.fold_modes, "cube": dynamic_cases.cube, "leaflets": dynamic_cases.leaflets,
+         "kernel": other_cases.kernel, "increment": other_cases.explicit_increment, "threads": other_cases.explicit_threads}
 
 
 class Bench:
@@ -58,6 +63,8 @@ def main():
         bench = Bench(options, work)
         for case in options.cases:
             CASES[case](bench)
+    if options.plots:
+        picture.draw_all(bench.table.rows, Path(options.plots))
     if options.json:
         Path(options.json).write_text(json.dumps(bench.table.rows, indent=1) + "\n")
 

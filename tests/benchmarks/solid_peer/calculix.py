@@ -15,6 +15,11 @@ FULL, REDUCED = "C3D20", "C3D20R"  # 27 and 8 points
 LONGEST = 1800
 
 
+def numbers(*values):
+    """A data line; fields may have 20 characters at most."""
+    return ",".join(f"{value:.12g}" for value in values)
+
+
 def version():
     """"2.20", or nothing where CalculiX is not installed."""
     if not shutil.which(PROGRAM):
@@ -37,7 +42,7 @@ class Deck:
     def __init__(self, mesh, element):
         self.mesh = mesh
         self.lines = ["*NODE,NSET=ALL"]
-        self.lines += [f"{n},{x:.15g},{y:.15g},{z:.15g}" for n, (x, y, z) in enumerate(mesh.position, 1)]
+        self.lines += [f"{n}," + numbers(*at) for n, at in enumerate(mesh.position, 1)]
         self.lines.append(f"*ELEMENT,TYPE={element},ELSET=ALL")
         for e, nodes in enumerate(mesh.cell + 1, 1):
             self.lines += [f"{e}," + ",".join(map(str, nodes[:10])) + ",", ",".join(map(str, nodes[10:]))]
@@ -54,28 +59,31 @@ class Deck:
 
     def saint_venant_kirchhoff(self, young_modulus, poisson_ratio, density=1.0):
         """*ELASTIC in a geometrically nonlinear step is this law."""
-        return self._material(["*ELASTIC", f"{young_modulus},{poisson_ratio}"], density)
+        return self._material(["*ELASTIC", numbers(young_modulus, poisson_ratio)], density)
 
     def mooney_rivlin(self, a10, a01, bulk_modulus, density=1.0):
         """Its last constant is 2/K."""
-        return self._material(["*HYPERELASTIC,MOONEY-RIVLIN", f"{a10},{a01},{2 / bulk_modulus:.15g}"], density)
+        return self._material(["*HYPERELASTIC,MOONEY-RIVLIN", numbers(a10, a01, 2 / bulk_modulus)], density)
 
     def _material(self, law, density):
-        self.lines += ["*MATERIAL,NAME=TISSUE", *law, "*DENSITY", f"{density}", "*SOLID SECTION,ELSET=ALL,MATERIAL=TISSUE"]
+        self.lines += ["*MATERIAL,NAME=TISSUE", *law, "*DENSITY", numbers(density),
+                       "*SOLID SECTION,ELSET=ALL,MATERIAL=TISSUE"]
         return self
 
-    def static(self, increment):
+    def static(self, increment, tolerance=None):
         """Automatic increments, the first and largest one as given (load 0 to 1)."""
-        self.lines += ["*STEP,NLGEOM,INC=1000", "*STATIC", f"{increment},1.,1e-6,{increment}"]
+        if tolerance:
+            self.lines += ["*CONTROLS,PARAMETERS=FIELD", numbers(tolerance, tolerance)]
+        self.lines += ["*STEP,NLGEOM,INC=1000", "*STATIC", numbers(increment, 1, 1e-6, increment)]
         return self
 
     def dynamic(self, step, end, alpha=0.0):
         """Implicit with steps of equal length [Hilber, Hughes, Taylor]."""
-        self.lines += ["*STEP,NLGEOM,INC=1000000", f"*DYNAMIC,DIRECT,ALPHA={alpha}", f"{step},{end}"]
+        self.lines += ["*STEP,NLGEOM,INC=1000000", f"*DYNAMIC,DIRECT,ALPHA={alpha}", numbers(step, end)]
         return self
 
     def explicit_dynamic(self, step, end):
-        self.lines += ["*STEP,NLGEOM,INC=1000000", "*DYNAMIC,DIRECT,EXPLICIT", f"{step},{end}"]
+        self.lines += ["*STEP,NLGEOM,INC=1000000", "*DYNAMIC,DIRECT,EXPLICIT", numbers(step, end)]
         return self
 
     def frequencies(self, count):
@@ -83,19 +91,19 @@ class Deck:
         return self
 
     def gravity(self, value, direction):
-        self.lines += ["*DLOAD", f"ALL,GRAV,{value}," + ",".join(map(str, direction))]
+        self.lines += ["*DLOAD", "ALL,GRAV," + numbers(value, *direction)]
         return self
 
     def pressure(self, faces, value):
         self.lines.append("*DLOAD")
-        self.lines += [f"{element + 1},P{face + 1},{value}" for element, face in faces]
+        self.lines += [f"{element + 1},P{face + 1}," + numbers(value) for element, face in faces]
         return self
 
     def traction(self, faces, component, value):
         """A force per area at rest along an axis (1 to 3), as nodal forces."""
         weights = value * self.mesh.force_weights(faces)
         self.lines.append("*CLOAD")
-        self.lines += [f"{n + 1},{component},{weights[n]:.15g}" for n in numpy.flatnonzero(weights)]
+        self.lines += [f"{n + 1},{component}," + numbers(weights[n]) for n in numpy.flatnonzero(weights)]
         return self
 
     def print_displacement(self, name, only_last=True):
