@@ -62,29 +62,27 @@ def kernel(bench):
 
 
 def explicit_increment(bench):
-    """Seconds of an explicit increment: the difference of a long and a short run."""
+    """Cost of an explicit increment: the difference of a long and a short run."""
     bench.family = "explicit"
-    n, step, counts = 10, 1e-6, (20, 60)
+    n, ends = 10, (5e-4, 2.5e-3)
     body = (f"box {{ length {{ x: 0.01 y: 0.01 z: 0.01 }} elements_x: {n} elements_y: {n} elements_z: {n} }} fixed: \"z_min\" "
             + couplet.saint_venant_kirchhoff(*TISSUE))
     gravity = "gravity { direction { x: 1 } " + couplet.constant(9.81) + " }"
 
-    def microseconds(short, long, factor=1):
-        return 1e6 * (long.core_seconds - short.core_seconds) / (factor * (counts[1] - counts[0])) / n**3
+    def add(program, runs, counts):
+        cost = 1e6 * (runs[1].core_seconds - runs[0].core_seconds) / (counts[1] - counts[0]) / n**3
+        bench.table.add("explicit increment", program, f"{n}^3", core_seconds=runs[1].core_seconds, family=bench.family,
+                        us_per_element=cost, note=f"{cost:.3f} us an element, {counts[1]:.0f} increments")
 
-    factor = 100  # ours are too fast to be seen otherwise
-    ours = [bench.solve(couplet.scene(body, gravity, factor * count * step, factor * step, "CENTRAL_DIFFERENCE",
-                                      settings=f"largest_substep: {step}"), "explicit", count) for count in counts]
-    bench.table.add("explicit increment", "couplet", f"{n}^3", core_seconds=ours[1].core_seconds, family=bench.family,
-                    us_per_element=microseconds(*ours, factor), note=f"{microseconds(*ours, factor):.3f} us an element")
+    ours = [bench.solve(couplet.scene(body, gravity, 20 * end, end, "CENTRAL_DIFFERENCE"), "explicit", end) for end in ends]
+    add("couplet", ours, [run.of_solid["substeps"] for run in ours])
     if bench.has_peer:
         mesh = ours[0].mesh()
-        deck = [calculix.Deck(mesh, calculix.REDUCED).hold(mesh.nodes_where(lambda x, y, z: z < 1e-9))
-                .nodes("OBSERVED", [mesh.nearest((0.01, 0.01, 0.01))]).saint_venant_kirchhoff(*TISSUE)
-                .explicit_dynamic(step, count * step).gravity(9.81, (1, 0, 0)).print_displacement("OBSERVED") for count in counts]
-        theirs = [calculix.solve(d, bench.folder("explicit", "calculix", i)) for i, d in enumerate(deck)]
-        bench.table.add("explicit increment", "calculix", f"{n}^3", core_seconds=theirs[1].core_seconds, family=bench.family,
-                        us_per_element=microseconds(*theirs), note=f"{microseconds(*theirs):.3f} us an element")
+        theirs = [calculix.solve(calculix.Deck(mesh, calculix.REDUCED).hold(mesh.nodes_where(lambda x, y, z: z < 1e-9))
+                                 .nodes("OBSERVED", [mesh.nearest((0.01, 0.01, 0.01))]).saint_venant_kirchhoff(*TISSUE)
+                                 .explicit_dynamic(1e-5, end).gravity(9.81, (1, 0, 0)).print_displacement("OBSERVED"),
+                                 bench.folder("explicit", "calculix", end)) for end in ends]
+        add("calculix", theirs, [calculix.n_explicit_increments(run, end) for run, end in zip(theirs, ends)])
 
 
 def explicit_threads(bench):
