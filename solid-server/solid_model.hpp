@@ -97,6 +97,7 @@ class SolidModel {
 
   int n_substeps(double duration) const;  // that a step of this duration [s] takes now, when nothing goes wrong
   SolidEnergy energy() const;             // of the last accepted step
+  Eigen::Vector3d angular_momentum() const;  // of the accepted state about the origin [kg m^2/s]
   std::vector<Reaction> reactions() const;  // in the accepted state, of each support
   const StepWork& work_of_last_step() const;
   /// What implicit steps of this duration [s] cost. Only with the generalized-alpha method.
