@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/dynamics/central_difference.hpp"
 #include "solid-server/dynamics/stable_step.hpp"
 #include "solid-server/element/mass.hpp"
@@ -58,6 +59,13 @@ PrescribedLoads prescribed_loads(const SolidSetup& setup, const Eigen::VectorXd&
   return loads;
 }
 
+std::vector<ContactPair> contact_pairs(const SolidSetup& setup) {
+  std::vector<ContactPair> pairs;
+  for (const ContactPair& pair : setup.contacts)
+    pairs.push_back(complete(pair, setup.mesh, setup.properties, static_cast<int>(pairs.size())));
+  return pairs;
+}
+
 Motion at_rest(Index n_nodes, std::size_t n_wetted) {
   Motion motion;
   motion.displacement = motion.velocity = motion.force = NodeVectors::Zero(n_nodes, 4);
@@ -89,16 +97,13 @@ struct SolidModel::Parts {
         mass(lumped_mass(setup.mesh, densities(setup.properties))),
         inverse_mass(solid::inverse_mass(setup.mesh, mass, setup.supports)),
         force(setup.mesh, setup.properties,
-              ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes), setup.n_threads),
+              ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes, contact_pairs(setup)),
+              setup.n_threads),
         team(setup.n_threads),
         integrator(make_integrator()),
         smallest_length(smallest_edge(setup.mesh)),
         contact_rate_squared(
-            force.contact().stiffness_bound(setup.mesh.n_nodes()).cwiseProduct(inverse_mass.col(1)).maxCoeff()) {
-    if (!setup.planes.empty() && wetted.face.empty())
-      throw report::SceneError("solid.rigid_plane", "no surface of the body is wetted, so nothing can touch the plane",
-                               "name the surfaces that may touch it in solid.body[0].wetted");
-  }
+            force.external().contact_stiffness_bound().cwiseProduct(inverse_mass.rowwise().maxCoeff()).maxCoeff()) {}
 
   std::unique_ptr<TimeIntegrator> make_integrator() {
     HeldMotion held(setup.mesh, setup.supports.prescribed);
@@ -222,7 +227,7 @@ void SolidModel::accept_step() {
   const Motion& motion = p.accepted.motion;
   p.energy.kinetic = p.integrator->mass_times(motion.velocity).cwiseProduct(motion.velocity).sum() / 2;
   p.energy.strain = p.force.strain_energy();
-  const auto contact = p.force.contact().total(motion.displacement.data());
+  const auto contact = p.force.external().contact_total(motion.displacement.data());
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
   if (++p.accepted.n_accepted_since_estimate >= p.setup.step.estimate_every) p.estimate_stable_step();

@@ -5,6 +5,7 @@
 
 #include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
+#include "solid-server/contact/surface_contact.hpp"
 #include "solid-server/dynamics/generalized_alpha.hpp"
 #include "solid-server/dynamics/static_solution.hpp"
 #include "solid-server/load/dead_load.hpp"
@@ -41,6 +42,7 @@ struct SolidSetup {
   std::vector<NodeForce> node_forces;
   VectorOverTime gravity;  // acceleration [m/s^2]; empty: none
   std::vector<RigidPlane> planes;
+  std::vector<ContactPair> contacts;  // stiffness or largest_depth 0: as contact/penalty_stiffness has it
   TimeMethod method = TimeMethod::central_difference;
   StepControl step;          // of the central difference method
   ImplicitControl implicit;  // of the generalized-alpha method
@@ -65,14 +67,14 @@ struct Reaction {
 
 struct SolidEnergy {
   double kinetic = 0, strain = 0, contact = 0;  // [J]
-  double contact_force = 0;                     // of the rigid planes on the body [N]
+  double contact_force = 0;                     // of rigid planes on bodies and of bodies on each other [N]
 };
 
 /// Two states: accepted and trial. solve_step always starts from the accepted one.
 class SolidModel {
  public:
-  /// At rest at t = 0. Throws SceneError for surfaces that do not exist, folded elements, planes without a wetted
-  /// surface.
+  /// At rest at t = 0. Throws SceneError for surfaces that do not exist, folded elements, planes that nothing
+  /// can touch.
   explicit SolidModel(SolidSetup setup);
   ~SolidModel();
   SolidModel(SolidModel&&) noexcept;

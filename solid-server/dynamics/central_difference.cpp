@@ -179,6 +179,12 @@ inline void CentralDifference::note_strained(Eigen::Index node, const NodeQuad& 
 template <class Visit>
 bool CentralDifference::visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit) {
   team_.barrier();
+  if (force_.has_surface_contact()) {
+    if (member == 0) force_.search_contact(displacement);
+    team_.barrier();
+    force_.find_gaps(member);
+    team_.barrier();
+  }
   force_.write_external_parts(member, displacement, moment);
   team_.barrier();
   force_.sweep(member, strained_at(displacement), moment, visit);

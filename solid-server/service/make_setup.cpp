@@ -95,6 +95,26 @@ PressureLoad make_pressure(const v1::PressureLoad& load) {
   return {load.surface(), [table = scene::make_time_table(load.value())](double time) { return table.at(time); }};
 }
 
+RigidPlane make_plane(const v1::RigidPlane& plane) {
+  RigidPlane out{{0, plane.y(), 0}, -Eigen::Vector3d::UnitY(), plane.stiffness(), {}};
+  if (plane.has_plane()) {
+    out.point = vector(plane.plane().point());
+    out.normal = vector(plane.plane().normal());
+  }
+  out.surfaces.assign(plane.surface().begin(), plane.surface().end());
+  return out;
+}
+
+ContactPair make_contact(const v1::Contact& contact) {
+  ContactPair pair;
+  pair.first = contact.first();
+  pair.second = contact.second();
+  pair.stiffness = contact.stiffness();  // absent: 0, from the elements
+  pair.distance = contact.distance();
+  pair.cancels_interface_load = contact.cancel_interface_load();
+  return pair;
+}
+
 void add_loads(const v1::Solid& solid, SolidSetup& setup) {
   for (const v1::PressureLoad& load : solid.pressure()) setup.pressures.push_back(make_pressure(load));
   for (const v1::TractionLoad& load : solid.traction())
@@ -162,7 +182,8 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
   setup.damping = {solid.body(0).mass_damping(), solid.settling().until(), solid.settling().mass_damping()};
   setup.damping.stiffness_factor = solid.body(0).stiffness_damping();
   for (const v1::Kick& kick : solid.kick()) setup.kicks.push_back(make_kick(kick));
-  for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back({plane.y(), plane.stiffness()});
+  for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back(make_plane(plane));
+  for (const v1::Contact& contact : solid.contact()) setup.contacts.push_back(make_contact(contact));
   for (const v1::PrescribedMotion& motion : solid.prescribed_motion()) add_prescribed_motion(motion, setup.supports);
   set_time_integration(solid.time_integration(), setup);
   return setup;
