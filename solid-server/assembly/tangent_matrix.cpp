@@ -103,9 +103,9 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, const NodeVectors
       for (Index first = 0; first < block.elements.n_packs; first += packs_at_once) {
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
-        const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)],
-                                           increment ? increment->data() : nullptr);
+        const Index found =
+            packed_tangent(block.elements, block.material, first + packs.first, first + packs.last, displacement.data(),
+                           &buffer_[at(packs.first) * at(values_per_pack)], increment ? increment->data() : nullptr);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();

@@ -31,8 +31,8 @@ class BodyEquations {
   NodalForce& force() { return force_; }
   double length() const { return length_; }  // the longest side of the box around the body [m]
 
-  /// All forces, internal ones at `strained`, the others at `displacement`: (n_nodes, 4) [N]. Returns the first inverted
-  /// element that a law noticed, or -1.
+  /// All forces, internal ones at `strained`, the others at `displacement`: (n_nodes, 4) [N]. Returns the first
+  /// inverted element that a law noticed, or -1.
   Index forces(const NodeVectors& strained, const NodeVectors& displacement, const Moment& moment, NodeVectors& out);
   /// |external forces on free components| at a displacement [N].
   double external_size(const NodeVectors& displacement, const Moment& moment);

@@ -96,8 +96,8 @@ TEST(FreeSpinImplicit, KeepsEnergyBoundedAndAngularMomentum) {
     worst = std::max(worst, std::abs(total_energy(model) / energy - 1));
     worst_momentum = std::max(worst_momentum, std::abs(model.angular_momentum().z() / momentum - 1));
   }
-  std::printf("free spin: energy within %.1e, angular momentum within %.1e, %ld iterations, %ld factorisations\n", worst,
-              worst_momentum, model.total_work().n_iterations, model.total_work().n_factorisations);
+  std::printf("free spin: energy within %.1e, angular momentum within %.1e, %ld iterations, %ld factorisations\n",
+              worst, worst_momentum, model.total_work().n_iterations, model.total_work().n_factorisations);
   EXPECT_LE(worst, 2e-3);           // (omega h)^2 = 1.6e-3
   EXPECT_LE(worst_momentum, 1e-9);  // the midpoint rule keeps it; what is left is the tolerance of 500 steps
 }
@@ -129,8 +129,8 @@ TEST(LongImplicitSteps, AreStableAndAccurateAtAHundredTimesTheExplicitLimit) {
   }
   std::printf("steps of %.2e s, 100 times the limit: tip to %.4f m, error %.1e m, %ld iterations in %d steps\n", step,
               largest, largest_error, model.total_work().n_iterations, n_steps);
-  EXPECT_GT(largest, 0.01);                   // a tenth of the length: large rotations
-  EXPECT_LE(largest_error, 0.03 * largest);   // a quarter of it is the difference of lumped and consistent mass
+  EXPECT_GT(largest, 0.01);                  // a tenth of the length: large rotations
+  EXPECT_LE(largest_error, 0.03 * largest);  // a quarter of it is the difference of lumped and consistent mass
   EXPECT_LE(model.total_work().n_iterations, 6L * n_steps);
 }
 
@@ -146,7 +146,8 @@ TEST(ImplicitSteps, AreEqualBitsWhateverWasAskedBeforeAndByAnyNumberOfThreads) {
   SolidSetup setup = swaying_block(0.8);
   setup.n_threads = 2;
   SolidModel threaded(setup);
-  const surface::NodeArray force = surface::NodeArray::Constant(plain.accepted().motion.interface_force.rows(), 3, 1e-5);
+  const surface::NodeArray force =
+      surface::NodeArray::Constant(plain.accepted().motion.interface_force.rows(), 3, 1e-5);
   for (int n = 0; n < 12; ++n) {
     plain.solve_step(1e-3, force);
     asked.solve_step(1e-3, 3 * force);  // another iteration of the coupling

@@ -124,8 +124,7 @@ struct Arch {
       // Sections stay perpendicular to the arch.
       const double s = X.x(), slope = rise * std::numbers::pi / length * std::cos(std::numbers::pi * s / length);
       const double z = X.z() - middle, norm = std::sqrt(1 + slope * slope);
-      X = Eigen::RowVector3d(s - z * slope / norm, X.y(),
-                             rise * std::sin(std::numbers::pi * s / length) + z / norm);
+      X = Eigen::RowVector3d(s - z * slope / norm, X.y(), rise * std::sin(std::numbers::pi * s / length) + z / norm);
     }
     setup.supports.fixed = {"pins"};
     setup.supports.symmetry = {{"y_min", 1}, {"y_max", 1}};
@@ -163,9 +162,9 @@ struct Arch {
 };
 
 TEST(ShallowArch, SnapsThroughAtItsLimitLoad) {
-  // Closed form of the sinusoidal shallow arch: q / q_0 = 2.0379 for lambda_1 = 1.5, 4 for 2. Pins on a line of nodes give
-  // way by some h, which a bar without section does not: -0.3 % here, -1.1 % at four times the thickness. The parabola
-  // through three points of the path is good to as much.
+  // Closed form of the sinusoidal shallow arch: q / q_0 = 2.0379 for lambda_1 = 1.5, 4 for 2. Pins on a line of nodes
+  // give way by some h, which a bar without section does not: -0.3 % here, -1.1 % at four times the thickness. The
+  // parabola through three points of the path is good to as much.
   for (const auto& [lambda_1, limit] : {std::pair{1.5, 2.0379}, std::pair{2.0, 4.0}}) {
     Arch arch(lambda_1);
     const double load = 1.5 * limit;
