@@ -43,7 +43,8 @@ TimeMethodChoice choose_time_method(SolidSetup setup, double step) {
                                                               n_factorisations_assumed * cost.factorisation_seconds);
 
   const double period = 2 * std::numbers::pi / cost.lowest_rate;
-  const bool is_resolved = step * steps_per_period <= period, is_cheaper = choice.seconds_implicit < choice.seconds_explicit;
+  const bool is_resolved = step * steps_per_period <= period,
+             is_cheaper = choice.seconds_implicit < choice.seconds_explicit;
   using report::text;
   const std::string seconds = "a step takes about " + text(choice.seconds_explicit) + " s with " +
                               std::to_string(n_substeps) + " explicit substeps and " + text(choice.seconds_implicit) +
@@ -52,8 +53,8 @@ TimeMethodChoice choose_time_method(SolidSetup setup, double step) {
     choice.method = TimeMethod::generalized_alpha;
     choice.reason = "GENERALIZED_ALPHA, because " + seconds;
   } else if (is_cheaper) {
-    choice.reason = "CENTRAL_DIFFERENCE, because the step of " + text(step) + " s is more than a twentieth of the slowest period, " +
-                    text(period) + " s, although " + seconds;
+    choice.reason = "CENTRAL_DIFFERENCE, because the step of " + text(step) +
+                    " s is more than a twentieth of the slowest period, " + text(period) + " s, although " + seconds;
   } else {
     choice.reason = "CENTRAL_DIFFERENCE, because " + seconds;
   }

@@ -95,10 +95,10 @@ class SolidModel {
   void accept_step();
   const SolidState& accepted() const;
   void note_why_method(std::string reason);  // a sentence that checkpoints keep
-  void resume(SolidState state);  // sizes must be those of accepted(); the method becomes that of the state
+  void resume(SolidState state);             // sizes must be those of accepted(); the method becomes that of the state
 
-  int n_substeps(double duration) const;  // that a step of this duration [s] takes now, when nothing goes wrong
-  SolidEnergy energy() const;             // of the last accepted step
+  int n_substeps(double duration) const;    // that a step of this duration [s] takes now, when nothing goes wrong
+  SolidEnergy energy() const;               // of the last accepted step
   std::vector<Reaction> reactions() const;  // in the accepted state, of each support
   const StepWork& work_of_last_step() const;
   /// What implicit steps of this duration [s] cost. Only with the generalized-alpha method.

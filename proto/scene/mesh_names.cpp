@@ -27,7 +27,7 @@ std::vector<std::string> surface_names(const v1::Body& body) {
     case v1::Body::kHollowSphere:
       return {"inner", "outer", "x_min", "y_min", "z_min"};
     case v1::Body::kBall:
-      return {"surface", "cut"};
+      return {"surface", "cut", "x_min", "z_min"};
     case v1::Body::kCylinderBeam:
       return {"root", "top", "bottom", "tip", "front", "back"};
     case v1::Body::kArch:
@@ -59,7 +59,9 @@ std::vector<std::string> marker_names(const v1::Body& body) {
 }
 
 std::vector<std::string> node_set_names(const v1::Body& body) {
-  return body.has_valve() ? with_leaflets({"commissure"}) : std::vector<std::string>{};
+  if (body.has_valve()) return with_leaflets({"commissure"});
+  if (body.has_arch()) return {"left_hinge", "right_hinge"};
+  return {};
 }
 
 std::vector<std::string> region_names(const v1::Body& body) {

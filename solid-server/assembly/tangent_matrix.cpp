@@ -103,9 +103,9 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, const NodeVectors
       for (Index first = 0; first < block.elements.n_packs; first += packs_at_once) {
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
-        const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)],
-                                           increment ? increment->data() : nullptr);
+        const Index found =
+            packed_tangent(block.elements, block.material, first + packs.first, first + packs.last, displacement.data(),
+                           &buffer_[at(packs.first) * at(values_per_pack)], increment ? increment->data() : nullptr);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();
@@ -146,6 +146,12 @@ bool TangentMatrix::add_symmetric_part(Index a, Index b, const Eigen::Matrix3d& 
   else
     block += 0.5 * C.transpose();
   return true;
+}
+
+bool TangentMatrix::is_zero(Index a, Index b) const {
+  const Index pair = pairs_.find(a, b);
+  const auto first = blocks_.begin() + 9 * static_cast<std::ptrdiff_t>(pair);
+  return pair < 0 || std::all_of(first, first + 9, [](double entry) { return entry == 0; });
 }
 
 void TangentMatrix::set_extra_pairs(const std::vector<std::pair<Index, Index>>& extra) {

@@ -35,6 +35,9 @@ class TangentMatrix {
   /// A_ab += C / 2 and A_ba += C^T / 2. False, and nothing is done, when the pair is not in the pattern.
   bool add_symmetric_part(Index a, Index b, const Eigen::Matrix3d& C);
 
+  /// Whether a pair has no entry now; it may be in the pattern all the same.
+  bool is_zero(Index a, Index b) const;
+
   /// The pattern becomes that of the mesh and the extra pairs; the entries stay as they are.
   void set_extra_pairs(const std::vector<std::pair<Index, Index>>& extra);
 

@@ -72,6 +72,7 @@ void TangentSolver::factorise() {
   const Stopwatch stopwatch(parts_->cost.factorisation_seconds);
   ++parts_->cost.n_factorisations;
   if (!parts_->outside.empty()) {
+    std::erase_if(parts_->extra, [&](const auto& pair) { return parts_->matrix.is_zero(pair.first, pair.second); });
     for (const auto& [a, b, block] : parts_->outside) parts_->extra.emplace_back(std::max(a, b), std::min(a, b));
     std::sort(parts_->extra.begin(), parts_->extra.end());
     parts_->extra.erase(std::unique(parts_->extra.begin(), parts_->extra.end()), parts_->extra.end());

@@ -43,17 +43,17 @@ class TangentSolver {
 
   /// Forgets the matrix and what was added. Returns the first element turned inside out (J not above 0, or not a
   /// number), or -1.
-  /// `increment` d, (n_nodes, 4) [m]: where u was reached from a state in one linear step, the geometric stiffness takes
-  /// the stress of the strain that is linear along the step, E(u) - (grad d)^T (grad d) / 2, instead of that of E(u):
-  /// the displacements of the Newton iteration in which the stresses are unknowns of their own, which needs far fewer
-  /// iterations where slender parts rotate [Magisano, Leonetti, Garcea 2017]. The change of stress is linear in the
-  /// change of strain, with the tangent of the law at F. Null: the tangent itself.
+  /// `increment` d, (n_nodes, 4) [m]: where u was reached from a state in one linear step, the geometric stiffness
+  /// takes the stress of the strain that is linear along the step, E(u) - (grad d)^T (grad d) / 2, instead of that of
+  /// E(u): the displacements of the Newton iteration in which the stresses are unknowns of their own, which needs far
+  /// fewer iterations where slender parts rotate [Magisano, Leonetti, Garcea 2017]. The change of stress is linear in
+  /// the change of strain, with the tangent of the law at F. Null: the tangent itself.
   Index assemble(const NodeVectors& displacement, TangentWeights weights, const NodeVectors* increment = nullptr);
 
   /// Adds the symmetric part of a contribution C (follower load, contact): call it for every pair of nodes (a, b) whose
   /// block C_ab = - d f_a / d u_b, times the stiffness weight, is not zero, (a, b) and (b, a) separately;
-  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements; the pattern then grows by
-  /// itself.
+  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements: the next factorise
+  /// then finds a new pattern, without the pairs that have come apart since the last one.
   void add(Index node_a, Index node_b, const Eigen::Matrix3d& block);
 
   /// L L^T, or L D L^T when the matrix is not positive definite. Throws NumericsError when the matrix has an entry that
@@ -66,8 +66,8 @@ class TangentSolver {
 
   NodeVectors solve(const NodeVectors& rhs) const;
 
-  NodeVectors multiply(const NodeVectors& vector) const;    // A x
-  NodeVectors mass_times(const NodeVectors& vector) const;  // M x
+  NodeVectors multiply(const NodeVectors& vector) const;           // A x
+  NodeVectors mass_times(const NodeVectors& vector) const;         // M x
   NodeVectors mass_times_on_all(const NodeVectors& vector) const;  // M x with its held components: inertia on supports
 
   const FreeComponents& free() const;

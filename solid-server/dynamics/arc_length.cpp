@@ -38,8 +38,8 @@ class Path {
   NodeVectors& u_;
   double& load_;
   PathReport& report_;
-  NodeVectors tangent_;             // du/d(load) at the point
-  NodeVectors arc_before_;          // the last arc; empty before the first
+  NodeVectors tangent_;     // du/d(load) at the point
+  NodeVectors arc_before_;  // the last arc; empty before the first
   double length_ = 0, length_first_ = 0;
   double load_before_ = 0;
   int n_negative_pivots_ = 0;
@@ -78,8 +78,8 @@ bool Path::advance_arc() {
     u_.swap(end);
     load_ = load;
     ++report_.n_arcs;
-    const double factor = std::sqrt(static_cast<double>(control_.n_iterations_wanted) /
-                                    std::max(n_iterations_of_arc_, 1));
+    const double factor =
+        std::sqrt(static_cast<double>(control_.n_iterations_wanted) / std::max(n_iterations_of_arc_, 1));
     length_ = std::min(length_ * std::clamp(factor, 0.5, 2.0), control_.longest_arc * length_first_);
     return true;
   }
@@ -112,8 +112,10 @@ bool Path::correct(NodeVectors& end, double& load) {
     const double size = last.norm();
     if (size <= 1e-9 * length_ || last.cwiseAbs().maxCoeff() <= 1e-13 * system_.length())
       return r.inverted_element < 0 && r.value.allFinite();
-    if (size < smallest) smallest = size;
-    else if (++n_growing > 4) return false;
+    if (size < smallest)
+      smallest = size;
+    else if (++n_growing > 4)
+      return false;
   }
 }
 
@@ -157,7 +159,8 @@ void Path::note_limit() {
   if (n_known_ < 2 || change_of_[0] * change_of_[1] >= 0) return;
   const double slope_0 = change_of_[0] / arc_of_[0], slope_1 = change_of_[1] / arc_of_[1];
   const double curvature = (slope_1 - slope_0) / ((arc_of_[0] + arc_of_[1]) / 2);
-  const double slope = (slope_0 * arc_of_[1] + slope_1 * arc_of_[0]) / (arc_of_[0] + arc_of_[1]);  // at the middle point
+  const double slope =
+      (slope_0 * arc_of_[1] + slope_1 * arc_of_[0]) / (arc_of_[0] + arc_of_[1]);  // at the middle point
   report_.limit_loads.push_back(load_before_ - slope * slope / (2 * curvature));
 }
 

@@ -36,19 +36,19 @@ struct PathPoint {
 };
 
 struct PathReport {
-  bool has_reached_load = false;     // the wanted one; else a visitor ended the path, or `failure` says why
-  std::string failure;               // empty: none
-  std::vector<double> limit_loads;   // where the load turned, from a parabola through three points each
+  bool has_reached_load = false;    // the wanted one; else a visitor ended the path, or `failure` says why
+  std::string failure;              // empty: none
+  std::vector<double> limit_loads;  // where the load turned, from a parabola through three points each
   int n_arcs = 0, n_iterations = 0, n_factorisations = 0;
   int n_negative_pivots = 0;  // at the last point
 };
 
-/// The cylindrical method of Crisfield (1981): the corrections of an arc keep |u - u_0| = l; of the two load factors that
-/// do, the one whose displacement turns least from that before is taken. A path sets out towards growing load and keeps
-/// its sense by the scalar product with the arc before (not by the sign of pivots, which also changes at bifurcations).
-/// Every correction uses new factors and the load rate at the place; an arc that does not converge is halved, and the
-/// next one is as long as the number of iterations suggests. Near the wanted load the path ends there with the load
-/// held.
+/// The cylindrical method of Crisfield (1981): the corrections of an arc keep |u - u_0| = l; of the two load factors
+/// that do, the one whose displacement turns least from that before is taken. A path sets out towards growing load and
+/// keeps its sense by the scalar product with the arc before (not by the sign of pivots, which also changes at
+/// bifurcations). Every correction uses new factors and the load rate at the place; an arc that does not converge is
+/// halved, and the next one is as long as the number of iterations suggests. Near the wanted load the path ends there
+/// with the load held.
 ///
 /// `visit` is called at every converged point and ends the path by returning false. u and load: from a solution to the
 /// last point.

@@ -27,13 +27,15 @@ class BodyEquations {
 
   const SolidMesh& mesh() const { return mesh_; }
   NodeVectors mass_times(const NodeVectors& vector) const { return tangent_->mass_times_on_all(vector); }
-  double kinetic_energy(const NodeVectors& velocity) const { return mass_times(velocity).cwiseProduct(velocity).sum() / 2; }
+  double kinetic_energy(const NodeVectors& velocity) const {
+    return mass_times(velocity).cwiseProduct(velocity).sum() / 2;
+  }
   const HeldMotion& held() const { return held_; }
   NodalForce& force() { return force_; }
   double length() const { return length_; }  // the longest side of the box around the body [m]
 
-  /// All forces, internal ones at `strained`, the others at `displacement`: (n_nodes, 4) [N]. Returns the first inverted
-  /// element that a law noticed, or -1.
+  /// All forces, internal ones at `strained`, the others at `displacement`: (n_nodes, 4) [N]. Returns the first
+  /// inverted element that a law noticed, or -1.
   Index forces(const NodeVectors& strained, const NodeVectors& displacement, const Moment& moment, NodeVectors& out);
   /// |external forces on free components| at a displacement [N].
   double external_size(const NodeVectors& displacement, const Moment& moment);

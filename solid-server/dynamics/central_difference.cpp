@@ -65,11 +65,11 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
     }
   });
   if (const Index element = force_.inverted_element(); element >= 0)
-    throw report::NumericsError("solid, t = " + std::to_string(from.time) + " to " +
-                                    std::to_string(from.time + duration) + " s",
-                                mesh_.describe_element(element) + " at rest is turned inside out",
-                                "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
-                                "resists strong compression better than saint_venant_kirchhoff");
+    throw report::NumericsError(
+        "solid, t = " + std::to_string(from.time) + " to " + std::to_string(from.time + duration) + " s",
+        mesh_.describe_element(element) + " at rest is turned inside out",
+        "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
+        "resists strong compression better than saint_venant_kirchhoff");
   to.time = from.time + duration;
   to.interface_force = interface_force;
   to.has_interface_force = true;
@@ -78,8 +78,8 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
   return work;
 }
 
-/// Prescribed nodes after k substeps: the place at the end of the next one, with the velocity that leads there; after the
-/// last substep the velocity at its end.
+/// Prescribed nodes after k substeps: the place at the end of the next one, with the velocity that leads there; after
+/// the last substep the velocity at its end.
 void CentralDifference::hold(int k, Motion& to) {
   const bool is_end = k == static_cast<int>(substeps_.size());
   const double next = start_time_ + (is_end ? k : k + 1) * h_;

@@ -24,8 +24,8 @@ class CentralDifference : public TimeIntegrator {
   void limit_substep(double largest) { largest_substep_ = largest; }
   int n_substeps(double duration) const;  // that a step takes now
 
-  /// In equal substeps. Allocates nothing in them. Throws NumericsError naming element and time when an element is turned
-  /// inside out.
+  /// In equal substeps. Allocates nothing in them. Throws NumericsError naming element and time when an element is
+  /// turned inside out.
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
   double kinetic_energy(const Motion& motion) const override;
   NodeVectors support_force(const Motion& motion) const override;
@@ -53,13 +53,13 @@ class CentralDifference : public TimeIntegrator {
 
   const SolidMesh& mesh_;
   NodalForce& force_;
-  Eigen::VectorXd mass_;     // (n_nodes) [kg]
+  Eigen::VectorXd mass_;      // (n_nodes) [kg]
   NodeVectors inverse_mass_;  // (n_nodes, 4), 0 where a support holds [1/kg]
   HeldMotion held_;
   Damping damping_;
   std::vector<KickVelocity> kicks_;  // rising in time
   WorkTeam& team_;
-  double largest_substep_ = 0;  // [s]
+  double largest_substep_ = 0;     // [s]
   double start_time_ = 0, h_ = 0;  // of the step, substep [s]
   std::vector<Substep> substeps_;
   bool is_strain_damped_;

@@ -66,11 +66,11 @@ StepWork GeneralizedAlpha::advance(const Motion& from, double duration, const su
     }
     n_successes = 0;
     if (++to.n_halvings > n_halvings_most)
-      throw report::NumericsError("solid, t = " + report::text(to.time) + " s",
-                                  "an implicit substep of " + report::text(duration * fraction(length)) +
-                                      " s has no solution: " + why_not,
-                                  "check the loads; lower time.step; solid.time_integration.method: CENTRAL_DIFFERENCE "
-                                  "takes short steps anyway");
+      throw report::NumericsError(
+          "solid, t = " + report::text(to.time) + " s",
+          "an implicit substep of " + report::text(duration * fraction(length)) + " s has no solution: " + why_not,
+          "check the loads; lower time.step; solid.time_integration.method: CENTRAL_DIFFERENCE "
+          "takes short steps anyway");
   }
   to.time = from.time + duration;
   to.interface_force = interface_force;
@@ -244,7 +244,9 @@ std::shared_ptr<const FactorOrigin> GeneralizedAlpha::origin_at(const NodeVector
 /// in all directions.
 ImplicitCost GeneralizedAlpha::measure(const Motion& motion, double duration) {
   using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point began) { return std::chrono::duration<double>(Clock::now() - began).count(); };
+  const auto since = [](Clock::time_point began) {
+    return std::chrono::duration<double>(Clock::now() - began).count();
+  };
   constexpr int n_repetitions = 3, n_iterations = 12;
   Motion start = motion;
   if (start.acceleration.rows() == 0) start.acceleration = NodeVectors::Zero(motion.displacement.rows(), 4);
@@ -252,8 +254,8 @@ ImplicitCost GeneralizedAlpha::measure(const Motion& motion, double duration) {
   const double shift = std::pow(2 * std::numbers::pi / (100 * duration), 2);  // so that free bodies have factors too
   ImplicitCost cost;
   auto began = Clock::now();
-  body_->factorise(std::make_shared<const FactorOrigin>(FactorOrigin{
-      start.displacement, start.displacement, NodeVectors(0, 4), start.time, {1, shift}, 0}));
+  body_->factorise(std::make_shared<const FactorOrigin>(
+      FactorOrigin{start.displacement, start.displacement, NodeVectors(0, 4), start.time, {1, shift}, 0}));
   cost.factorisation_seconds = since(began);
 
   Residual residual;

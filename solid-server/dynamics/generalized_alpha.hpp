@@ -24,17 +24,17 @@ struct ImplicitCost {
 ///   beta = (1 - alpha_m + alpha_f)^2/4,
 ///   u_1 = u_0 + h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),  v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1),
 ///   M (a_m + c v_f) = f(u_f + b v_f, u_f, t_f),  x_f = (1 - alpha_f) x_1 + alpha_f x_0,  x_m likewise with alpha_m.
-/// Second order for every rho. The internal force is that of the displacement in between (not the mean of two forces), so
-/// that rho = 1 is the implicit midpoint rule, which keeps linear and angular momentum of a free body to the tolerance of
-/// the iteration, and the energy bounded. c is damping by mass, b by stiffness. M is the consistent mass.
+/// Second order for every rho. The internal force is that of the displacement in between (not the mean of two forces),
+/// so that rho = 1 is the implicit midpoint rule, which keeps linear and angular momentum of a free body to the
+/// tolerance of the iteration, and the energy bounded. c is damping by mass, b by stiffness. M is the consistent mass.
 ///
 /// The accelerations at the start, and after a kick of a body with damping by stiffness, solve the equation of motion.
 /// A step whose iteration fails is halved, at most six times; after two successes the steps grow again. Newton's method
 /// begins with the extrapolated motion.
 ///
-/// Factors are kept over iterations and steps, and renewed at the start of a step when the last step took more iterations
-/// than a step costs on average, the factors included. New ones belong to the extrapolated motion, which the interface
-/// force does not change: the coupling iterations of a step share them.
+/// Factors are kept over iterations and steps, and renewed at the start of a step when the last step took more
+/// iterations than a step costs on average, the factors included. New ones belong to the extrapolated motion, which the
+/// interface force does not change: the coupling iterations of a step share them.
 class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
  public:
   GeneralizedAlpha(std::unique_ptr<BodyEquations> body, Damping damping, std::vector<KickVelocity> kicks,
@@ -86,10 +86,10 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
 
   // Of the substep in hand.
   const Motion* start_ = nullptr;
-  double h_ = 0, mass_damping_ = 0;      // [s] [1/s]
-  Moment moment_;                        // t_f
+  double h_ = 0, mass_damping_ = 0;                // [s] [1/s]
+  Moment moment_;                                  // t_f
   NodeVectors held_velocity_, held_acceleration_;  // of prescribed motions at the end; empty: none
-  double external_size_ = 0;             // |external forces| [N]
+  double external_size_ = 0;                       // |external forces| [N]
 
   std::shared_ptr<const FactorOrigin> last_new_;  // factors that prepare_factors made last
 };

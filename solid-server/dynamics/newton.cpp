@@ -13,11 +13,11 @@ namespace {
 constexpr std::size_t n_pairs_most = 12;
 constexpr int n_halvings_most = 8;
 constexpr int n_searches_most = 6;
-constexpr int n_growing_most = 4;          // corrections that grow, before the iteration is given up
-constexpr double worst_contraction = 0.9;  // of kept factors
+constexpr int n_growing_most = 4;               // corrections that grow, before the iteration is given up
+constexpr double worst_contraction = 0.9;       // of kept factors
 constexpr int n_iterations_of_new_factors = 2;  // that follow new factors near a solution, besides their own
 constexpr double relative_round_off = 1e-9, round_off_of_length = 1e-13;
-constexpr double wanted_decrease = 0.8;    // of d . r, beyond which a shorter step is looked for [Crisfield 1991, 9.2]
+constexpr double wanted_decrease = 0.8;  // of d . r, beyond which a shorter step is looked for [Crisfield 1991, 9.2]
 
 double dot(const NodeVectors& a, const NodeVectors& b) {
   return a.cwiseProduct(b).sum();
@@ -121,8 +121,7 @@ void Newton::remember(const NonlinearSystem& system, NodeVectors step, NodeVecto
   pairs_.push_back({std::move(step), std::move(change), product});
 }
 
-NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment,
-                           Factors factors) {
+NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVectors& increment, Factors factors) {
   NewtonReport report;
   pairs_.clear();
   NodeVectors here = u, last_step = increment, whole = increment;
@@ -150,9 +149,8 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
       d = improved_solution(system, r.value);
       if (size_before > 0) {
         const double contraction = d.norm() / size_before;
-        is_kept = contraction < worst_contraction &&
-                  n_iterations_left(size_of_r, allowed, contraction) <=
-                      system.factorisation_cost() + n_iterations_of_new_factors;
+        is_kept = contraction < worst_contraction && n_iterations_left(size_of_r, allowed, contraction) <=
+                                                         system.factorisation_cost() + n_iterations_of_new_factors;
       }
     }
     if (!is_kept) {

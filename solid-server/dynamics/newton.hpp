@@ -54,9 +54,9 @@ struct NewtonReport {
 
 /// Newton's method with kept factors. As long as the contraction |d_k| / |d_(k-1)| of the corrections promises to end
 /// with fewer further iterations than new factors cost, the old factors are used, improved by the rank-two updates of
-/// Broyden, Fletcher, Goldfarb and Shanno in product form [Matthies, Strang 1979]; what decides depends on numbers, never
-/// on clocks. A step of length s along d ends near d . r(u + s d) = 0 (line search), except where the system takes full
-/// steps; an inverted element counts as infinite energy and halves s.
+/// Broyden, Fletcher, Goldfarb and Shanno in product form [Matthies, Strang 1979]; what decides depends on numbers,
+/// never on clocks. A step of length s along d ends near d . r(u + s d) = 0 (line search), except where the system
+/// takes full steps; an inverted element counts as infinite energy and halves s.
 ///
 /// Converged: |r| <= tolerance times the scale; or the correction is round-off: |d| <= 1e-9 of the whole increment, or
 /// 1e-13 of the length of the body in every component.
@@ -66,8 +66,8 @@ class Newton {
 
   /// What is known of the factors at the start.
   enum class Factors {
-    unknown,         // kept ones are tried
-    of_this_start,   // they were made here, for the first iteration
+    unknown,          // kept ones are tried
+    of_this_start,    // they were made here, for the first iteration
     of_the_increment  // they gave the increment: the first correction is compared with it
   };
 

@@ -38,9 +38,9 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
     const std::string where = "solid, t = " + report::text(moment(start).time) + " s";
     const std::string advice = "lower the load, or support the body so that it cannot move freely";
     if (!control_.may_follow_path)
-      throw report::NumericsError(where, "a load step of " + report::text(duration * (end - start)) +
-                                             " s finds no equilibrium: " + why_not,
-                                  advice + "; allow the path to be followed by arc length");
+      throw report::NumericsError(
+          where, "a load step of " + report::text(duration * (end - start)) + " s finds no equilibrium: " + why_not,
+          advice + "; allow the path to be followed by arc length");
     double factor = start;
     ArcLengthControl path = control_.path;
     path.first_load_step = end - start;
@@ -51,8 +51,9 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
     work.n_substeps += report.n_arcs;
     for (const double limit : report.limit_loads) work.limit_loads.push_back(moment(limit).time);
     if (!report.has_reached_load)
-      throw report::NumericsError(where, "neither steps of the load nor its path by arc length reach t = " +
-                                             report::text(moment(1).time) + " s: " + why_not + "; " + report.failure,
+      throw report::NumericsError(where,
+                                  "neither steps of the load nor its path by arc length reach t = " +
+                                      report::text(moment(1).time) + " s: " + why_not + "; " + report.failure,
                                   advice);
     tick = n_ticks;
     to.n_halvings = 0;
@@ -67,8 +68,8 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
 }
 
 PathReport StaticSolution::follow(const Motion& from, double duration, const surface::NodeArray& interface_force,
-                                  const ArcLengthControl& control,
-                                  const std::function<bool(const PathPoint&)>& visit, Motion& to) {
+                                  const ArcLengthControl& control, const std::function<bool(const PathPoint&)>& visit,
+                                  Motion& to) {
   begin(from, duration, interface_force, to);
   double factor = 0;
   const PathReport report = follow_path(*this, control, to.displacement, factor, 1, visit);
@@ -76,8 +77,7 @@ PathReport StaticSolution::follow(const Motion& from, double duration, const sur
   return report;
 }
 
-void StaticSolution::begin(const Motion& from, double duration, const surface::NodeArray& interface_force,
-                           Motion& to) {
+void StaticSolution::begin(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) {
   to = from;
   to.velocity.setZero();
   to.acceleration.resize(0, 4);
@@ -108,8 +108,8 @@ bool StaticSolution::load_step(double factor_start, double factor_end, NodeVecto
     end += tangent_step;
     increment = end - u;
   }
-  const NewtonReport report = newton.solve(
-      *this, end, increment, has_tangent ? Newton::Factors::of_the_increment : Newton::Factors::unknown);
+  const NewtonReport report =
+      newton.solve(*this, end, increment, has_tangent ? Newton::Factors::of_the_increment : Newton::Factors::unknown);
   work.n_iterations += report.n_iterations;
   work.n_factorisations += report.n_factorisations;
   if (!report.has_converged()) {

@@ -13,10 +13,10 @@ namespace couplet::solid {
 /// What a step took.
 struct StepWork {
   long n_substeps = 0;
-  long n_iterations = 0;      // of Newton's method
-  long n_factorisations = 0;  // of a tangent
-  double residual = 0;       // forces out of balance over their size, the worst accepted one; 0: explicit
-  int n_negative_pivots = 0;  // of the tangent at the end of a static step: 0 is stable
+  long n_iterations = 0;            // of Newton's method
+  long n_factorisations = 0;        // of a tangent
+  double residual = 0;              // forces out of balance over their size, the worst accepted one; 0: explicit
+  int n_negative_pivots = 0;        // of the tangent at the end of a static step: 0 is stable
   std::vector<double> limit_loads;  // times at which a static load turned
 
   void add(const StepWork& step) {

@@ -37,7 +37,8 @@ Eigen::VectorXd row_sums_of_mass(const SolidMesh& mesh, const std::vector<double
       for (const QuadraturePoint& point : points) {
         const auto shape = shape_values(block.shape, point.xi);
         const double mass_at_point = density[b] * reference_point(block.shape, position, point).volume;
-        for (std::size_t a = 0; a < nodes.size(); ++a) sums[nodes[a]] += mass_at_point * shape[static_cast<Eigen::Index>(a)];
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+          sums[nodes[a]] += mass_at_point * shape[static_cast<Eigen::Index>(a)];
       }
     }
   }

@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <limits>
 
 #include "solid-server/element/quadrature.hpp"
 #include "solid-server/element/shape_functions.hpp"
@@ -62,20 +61,26 @@ JacobianMeasure::JacobianMeasure(ElementShape shape) {
   for (const QuadraturePoint& point : element_quadrature(shape, n_check_points(shape))) points.push_back(point.xi);
   for (std::size_t c = 0; c < static_cast<std::size_t>(t.n_corners); ++c)
     points.push_back(Eigen::Vector3d::Map(t.coordinate[c].data()));
-  gradient_.resize(t.n_nodes, 3 * static_cast<Eigen::Index>(points.size()));
-  for (std::size_t p = 0; p < points.size(); ++p)
-    gradient_.middleCols<3>(3 * static_cast<Eigen::Index>(p)) = shape_gradient(shape, points[p]);
+  n_points_ = static_cast<Eigen::Index>(points.size());
+  gradient_.resize(3 * n_points_, t.n_nodes);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const auto gradient = shape_gradient(shape, points[p]);
+    for (Eigen::Index k = 0; k < 3; ++k)
+      gradient_.row(k * n_points_ + static_cast<Eigen::Index>(p)) = gradient.col(k).transpose();
+  }
 }
 
 JacobianRange JacobianMeasure::of(const Eigen::Matrix3Xd& position) const {
-  const Eigen::Matrix3Xd jacobian = position.lazyProduct(gradient_);  // dX_J/dxi_k at all points side by side
-  JacobianRange range = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (Eigen::Index p = 0; p < jacobian.cols(); p += 3) {
-    const double determinant = jacobian.col(p).dot(jacobian.col(p + 1).cross(jacobian.col(p + 2)));
-    range.smallest = std::min(range.smallest, determinant);
-    range.largest = std::max(range.largest, determinant);
-  }
-  return range;
+  Eigen::MatrixX3d jacobian = Eigen::MatrixX3d::Zero(gradient_.rows(), 3);  // dX_J/dxi_k, (k n_points + point, J)
+  for (Eigen::Index a = 0; a < gradient_.cols(); ++a)
+    for (Eigen::Index J = 0; J < 3; ++J) jacobian.col(J) += position(J, a) * gradient_.col(a);
+  const auto d = [&](Eigen::Index k, Eigen::Index J) {
+    return jacobian.col(J).segment(k * n_points_, n_points_).array();
+  };
+  const Eigen::ArrayXd determinant = d(0, 0) * (d(1, 1) * d(2, 2) - d(1, 2) * d(2, 1)) +
+                                     d(0, 1) * (d(1, 2) * d(2, 0) - d(1, 0) * d(2, 2)) +
+                                     d(0, 2) * (d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0));
+  return {determinant.minCoeff(), determinant.maxCoeff()};
 }
 
 std::vector<MidsidePlace> midside_places(ElementShape shape, const Eigen::Matrix3Xd& position) {

@@ -20,7 +20,8 @@ class JacobianMeasure {
   JacobianRange of(const Eigen::Matrix3Xd& position) const;
 
  private:
-  Eigen::MatrixXd gradient_;  // dN_a/dxi_k at all points side by side: (n_nodes, 3 n_points)
+  Eigen::Index n_points_ = 0;
+  Eigen::MatrixXd gradient_;  // dN_a/dxi_k, (k n_points + point, a): so that all points are computed at once
 };
 
 /// How far along its edge a midside node stands, from 0 at the edge's first corner to 1, and how far from the middle,

@@ -32,4 +32,13 @@ Material make_material(const v1::Material& material, const std::string& where) {
   throw report::SceneError(where, "the material has no law", "give one, for example mooney_rivlin");
 }
 
+std::optional<FibreRule> make_fibre_rule(const v1::Fibres& fibres) {
+  const auto vector = [](const v1::Vector& v) { return Eigen::Vector3d(v.x(), v.y(), v.z()); };
+  if (fibres.has_constant())
+    return ConstantFibres{vector(fibres.constant().along()), vector(fibres.constant().across())};
+  if (fibres.has_circumferential())
+    return CircumferentialFibres{vector(fibres.circumferential().point()), vector(fibres.circumferential().axis())};
+  return std::nullopt;
+}
+
 }  // namespace couplet::solid

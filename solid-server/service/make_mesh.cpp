@@ -1,11 +1,16 @@
 #include "solid-server/service/make_mesh.hpp"
 
 #include <cstdio>
+#include <numbers>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/mesh/annulus_mesh.hpp"
+#include "solid-server/mesh/arch_mesh.hpp"
+#include "solid-server/mesh/ball_mesh.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
 #include "solid-server/mesh/check_mesh.hpp"
 #include "solid-server/mesh/cylinder_beam_mesh.hpp"
+#include "solid-server/mesh/hollow_sphere_mesh.hpp"
 #include "solid-server/mesh/read_mesh.hpp"
 #include "solid-server/mesh/valve_mesh.hpp"
 #include "solid-server/mesh/vocal_fold_mesh.hpp"
@@ -64,6 +69,34 @@ SolidMesh make(const v1::CylinderBeamMesh& beam) {
   return make_cylinder_beam_mesh(shape);
 }
 
+SolidMesh make(const v1::AnnulusMesh& annulus) {
+  return make_annulus_mesh({annulus.inner_radius(),
+                            annulus.outer_radius(),
+                            annulus.length(),
+                            annulus.angle() * std::numbers::pi / 180,
+                            {annulus.elements_radial(), annulus.elements_around(), annulus.elements_along()}});
+}
+
+SolidMesh make(const v1::HollowSphereMesh& sphere) {
+  return make_hollow_sphere_mesh(
+      {sphere.inner_radius(), sphere.outer_radius(), sphere.elements_radial(), sphere.elements_around()});
+}
+
+SolidMesh make(const v1::BallMesh& ball) {
+  const BallPart part = ball.part() == v1::BallMesh::LOWER_HALF   ? BallPart::lower_half
+                        : ball.part() == v1::BallMesh::UPPER_HALF ? BallPart::upper_half
+                                                                  : BallPart::whole;
+  return make_ball_mesh({ball.radius(), vector(ball.centre()), part, ball.quarter(), ball.elements()});
+}
+
+SolidMesh make(const v1::ArchMesh& arch) {
+  return make_arch_mesh({arch.span(),
+                         arch.rise(),
+                         arch.thickness(),
+                         arch.width(),
+                         {arch.elements_x(), arch.elements_y(), arch.elements_z()}});
+}
+
 /// Every part of the body must be held where anything of it is: one that is not has nodes that should have been merged.
 std::vector<Index> supported_nodes(const v1::Body& body, const SolidMesh& mesh, const std::string& where) {
   std::vector<Index> nodes;
@@ -101,9 +134,13 @@ SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::f
     case v1::Body::kMeshFile:
       return read(body, where, scene_folder);
     case v1::Body::kAnnulus:
+      return make(body.annulus());
     case v1::Body::kHollowSphere:
+      return make(body.hollow_sphere());
     case v1::Body::kBall:
+      return make(body.ball());
     case v1::Body::kArch:
+      return make(body.arch());
     case v1::Body::MESH_NOT_SET:
       break;
   }

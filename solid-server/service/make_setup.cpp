@@ -6,6 +6,7 @@
 #include "proto/report/failure.hpp"
 #include "proto/scene/expression.hpp"
 #include "proto/scene/make_time_table.hpp"
+#include "solid-server/mesh/fibre_rule.hpp"
 #include "solid-server/service/make_material.hpp"
 #include "solid-server/service/make_mesh.hpp"
 
@@ -63,6 +64,28 @@ std::vector<BlockProperties> make_properties(const v1::Body& body, const SolidMe
                                "name one of its regions");
   }
   return properties;
+}
+
+/// Directions of fibres for the blocks of a body: those of the region, of the body, or of the mesh. Throws SceneError
+/// where a law needs some and there are none.
+void set_fibres(const v1::Body& body, const std::string& where, const std::vector<BlockProperties>& properties,
+                SolidMesh& mesh) {
+  for (std::size_t b = 0; b < mesh.block.size(); ++b) {
+    ElementBlock& block = mesh.block[b];
+    const auto region = std::find_if(body.region().begin(), body.region().end(),
+                                     [&](const v1::Region& r) { return r.name() == block.region && r.has_fibres(); });
+    const bool is_own = region != body.region().end();
+    const v1::Fibres& fibres = is_own ? region->fibres() : body.fibres();
+    const std::string place =
+        (is_own ? entry(where + ".region", static_cast<int>(region - body.region().begin())) : where) + ".fibres";
+    if (const auto rule = make_fibre_rule(fibres)) block.axes = axes_by_rule(*rule, mesh, block, place);
+    const bool needs_fibres = std::visit([](const auto& law) { return law.is_anisotropic; }, properties[b].material);
+    if (needs_fibres && block.axes.empty())
+      throw report::SceneError(
+          place, "the law of region \"" + block.region + "\" has fibres, but the mesh gives no directions",
+          "give constant or circumferential, or element data \"fibre\" in a Gmsh file");
+    if (!needs_fibres) block.axes.clear();
+  }
 }
 
 /// Adds what a body names for itself; with several bodies, under their own names.
@@ -173,8 +196,9 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
     const v1::Body& body = solid.body(b);
     meshes.push_back(make_mesh(body, entry("solid.body", b), scene_folder));
     names.push_back(body.name());
-    for (BlockProperties& properties : make_properties(body, meshes.back(), entry("solid.body", b)))
-      setup.properties.push_back(std::move(properties));
+    const auto properties = make_properties(body, meshes.back(), entry("solid.body", b));
+    set_fibres(body, entry("solid.body", b), properties, meshes.back());
+    setup.properties.insert(setup.properties.end(), properties.begin(), properties.end());
     add_body(body, solid.body_size() > 1 ? body.name() + "/" : "", setup);
   }
   setup.mesh = join_bodies(std::move(meshes), names);

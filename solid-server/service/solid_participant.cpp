@@ -128,7 +128,8 @@ void SolidParticipant::add_implicit_numbers(std::vector<participant::NamedNumber
     numbers.push_back({"solid.negative_pivots", static_cast<double>(work.n_negative_pivots), "1"});
   for (const Reaction& reaction : model_->reactions())
     for (int axis = 0; axis < 3; ++axis)
-      numbers.push_back({"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
+      numbers.push_back(
+          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
 }
 
 std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {

@@ -7,7 +7,8 @@ namespace couplet::solid {
 HeldMotion::HeldMotion(const SolidMesh& mesh, const std::vector<PrescribedMotion>& motions) : motions_(motions) {
   std::map<std::pair<Index, int>, std::size_t> motion_of;
   for (std::size_t m = 0; m < motions.size(); ++m)
-    for (const Index node : mesh.find_nodes(motions[m].nodes, "solid.prescribed_motion[" + std::to_string(m) + "].nodes"))
+    for (const Index node :
+         mesh.find_nodes(motions[m].nodes, "solid.prescribed_motion[" + std::to_string(m) + "].nodes"))
       motion_of.try_emplace({node, motions[m].axis}, m);
   for (const auto& [component, motion] : motion_of) {
     components_.push_back({component.first, component.second});
@@ -29,7 +30,8 @@ double HeldMotion::acceleration(std::size_t n, double time, double step) const {
 }
 
 void HeldMotion::hold(double time, NodeVectors& u) const {
-  for (std::size_t n = 0; n < components_.size(); ++n) u(components_[n].node, components_[n].axis) = displacement(n, time);
+  for (std::size_t n = 0; n < components_.size(); ++n)
+    u(components_[n].node, components_[n].axis) = displacement(n, time);
 }
 
 void HeldMotion::hold_velocity(double time, double step, NodeVectors& v) const {

@@ -4,7 +4,8 @@ namespace couplet::solid {
 
 std::vector<SupportComponents> support_components(const SolidMesh& mesh, const Supports& supports) {
   std::vector<SupportComponents> found;
-  Eigen::Array<bool, Eigen::Dynamic, 3> is_held = Eigen::Array<bool, Eigen::Dynamic, 3>::Constant(mesh.n_nodes(), 3, false);
+  Eigen::Array<bool, Eigen::Dynamic, 3> is_held =
+      Eigen::Array<bool, Eigen::Dynamic, 3>::Constant(mesh.n_nodes(), 3, false);
   const auto add = [&](const std::string& name, const std::string& where, int first_axis, int last_axis) {
     SupportComponents support{name, {}};
     for (const Index node : mesh.find_nodes(name, where))
@@ -19,8 +20,7 @@ std::vector<SupportComponents> support_components(const SolidMesh& mesh, const S
   for (std::size_t s = 0; s < supports.prescribed.size(); ++s)
     add(supports.prescribed[s].nodes, entry("solid.prescribed_motion", s) + ".nodes", supports.prescribed[s].axis,
         supports.prescribed[s].axis);
-  for (std::size_t s = 0; s < supports.fixed.size(); ++s)
-    add(supports.fixed[s], entry("solid.body[0].fixed", s), 0, 2);
+  for (std::size_t s = 0; s < supports.fixed.size(); ++s) add(supports.fixed[s], entry("solid.body[0].fixed", s), 0, 2);
   for (std::size_t s = 0; s < supports.symmetry.size(); ++s)
     add(supports.symmetry[s].surface, entry("solid.body[0].symmetry", s) + ".surface", supports.symmetry[s].axis,
         supports.symmetry[s].axis);

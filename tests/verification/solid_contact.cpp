@@ -119,11 +119,11 @@ TEST(ContactPatch, FacesThatCoverWholeFacesPassUniformStressExactly) {
 TEST(ContactPatch, OtherMeshesPassUniformStressWithinAFewPerCent) {
   // Points of quadrature know nothing of the edges of the other mesh: 1.6 %, 3.1 %, 5.7 % here, in the elements next to
   // the contact. With Gauss 2 x 2 it would be 4.0 %, 9.5 %, 10.6 %.
-  // Some points stand on an edge between two faces, where the direction of the force jumps: Newton goes to and fro by
-  // 4e-6 m of 0.02 m there, 2e-4 of the stress.
-  EXPECT_LT(stress_spread(2, 3, true, 1e-5), 0.02);
-  EXPECT_LT(stress_spread(3, 2, false, 1e-5), 0.04);
-  EXPECT_LT(stress_spread(4, 3, false, 1e-5), 0.07);
+  // Some points stand on an edge between two faces, where the direction of the force jumps: Newton without a line
+  // search goes to and fro by some 1e-5 m of 0.02 m there, below 1e-3 of the stress.
+  EXPECT_LT(stress_spread(2, 3, true, 4e-5), 0.02);
+  EXPECT_LT(stress_spread(3, 2, false, 4e-5), 0.04);
+  EXPECT_LT(stress_spread(4, 3, false, 4e-5), 0.07);
 }
 
 struct Impact {

@@ -23,7 +23,7 @@ FoldModes fold_modes(double medial_thickness, std::array<int, 3> n_elements, boo
   shape.section.medial_thickness = medial_thickness;
   shape.n_elements = n_elements;
   shape.half_length = half_length;
-  Supports supports{{"lateral", "anterior"}, {}};
+  Supports supports{{"lateral", "anterior"}, {}, {}};
   if (half_length)
     supports.symmetry = {{"posterior", 2}};
   else

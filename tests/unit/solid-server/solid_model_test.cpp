@@ -20,7 +20,7 @@ SolidSetup busy_fold(int n_threads) {
   SolidSetup setup;
   setup.mesh = make_vocal_fold_mesh(shape);
   setup.properties = {{MooneyRivlin{2290, 250, 100e3}, 1040}};
-  setup.supports = {{"lateral", "anterior"}, {{"posterior", 2}}};
+  setup.supports = {{"lateral", "anterior"}, {{"posterior", 2}}, {}};
   setup.wetted = {"inferior", "medial", "superior"};
   setup.damping = {0.05, 4.5 * coupling_step, 400};
   setup.kicks = {{3.3 * coupling_step, [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 60 * x.y(), 0); }}};
