@@ -10,6 +10,7 @@ from figures import label, new_figure, readable, svg_of
 from oscillation import main_frequency, spectrum, thin
 from page import figure, number, section, table
 from scene_text import find, leaves
+import solid_facts
 
 
 def heading(run):
@@ -57,16 +58,7 @@ def _key_facts(scene):
     grid = find(scene, "flow.navier_stokes.grid")
     if grid:
         yield "grid", " × ".join(_axis_words(grid[axis][0]) for axis in "xyz" if axis in grid) + " cells"
-    for body in find(scene, "solid", {}).get("body", []):
-        material = find(body, "material", {})
-        law = next((name for name in material if name != "density"), None)
-        constants = ", ".join(f"{name} {values[0]:g}" for name, values in find(material, law, {}).items()) if law else ""
-        yield f"body {find(body, 'name', '')}", f"{law}: {constants}; density {find(material, 'density')} kg/m³"
-        mesh = next((name for name in ("vocal_fold", "box") if name in body), None)
-        if mesh:
-            counts = " × ".join(str(find(body, f"{mesh}.elements_{axis}")) for axis in "xyz")
-            half = ", half of the length" if find(body, f"{mesh}.half_length") else ""
-            yield "mesh", f"{mesh}, {counts} hex20 elements{half}, {find(body, 'points_per_element')} points each"
+    yield from solid_facts.facts(scene)
     if "flow" in scene and "solid" in scene:
         acceleration = next((name for name in ("constant", "aitken", "iqn_ils", "iqn_imvj") if name in find(scene, "coupling", {})), None)
         words = [find(scene, "coupling.scheme"), acceleration, f"{find(scene, 'coupling.predictor')} predictor"]
@@ -100,7 +92,7 @@ def probe_names(run):
     """Names of the probes in the history, in its order."""
     names = []
     for column in run.history.names if run.history is not None else ():
-        if column.endswith(".x") and column[:-2] + ".y" in run.history and column[:-2] not in names:
+        if column.endswith(".x") and run.history.units[column] == "m" and column[:-2] + ".y" in run.history and column[:-2] not in names:
             names.append(column[:-2])
     return names
 
