@@ -13,6 +13,10 @@ from scene_text import find, leaves
 import solid_facts
 
 
+FEWEST_SAMPLES = 16  # a picture of fewer at the end of a run shows no motion
+FEWEST_CYCLES = 5  # a spectrum of fewer shows the window and not the motion
+
+
 def heading(run):
     """Title, status and, where something is wrong or missing, what."""
     summary = run.summary
@@ -111,7 +115,7 @@ def last_part(run, column, n_cycles=5):
     half = time >= 0.5 * (time[0] + time[-1])
     line = main_frequency(time[half], run.history[column][half]) if half.sum() > 16 else None
     span = time[-1] - time[0]
-    return time[-1] - (min(n_cycles / line, span) if line else 0.1 * span)
+    return time[-1] - (n_cycles / line if line and n_cycles / line < 0.5 * span else 0.1 * span)
 
 
 def has_rows(run, n=2):
@@ -125,15 +129,18 @@ def probes(run):
         return ""
     time = run.history["time"]
     factor, unit = readable(run.history.units[columns[0]])
-    chart, (whole, close) = new_figure(1, 2, gridspec_kw={"width_ratios": [2, 1]})
     strongest = max(columns, key=lambda name: numpy.ptp(run.history[name][len(time) // 2:]))
-    first = last_part(run, strongest)
+    late = time >= last_part(run, strongest)
+    has_end = late.sum() >= FEWEST_SAMPLES
+    chart, grid = new_figure(1, 2 if has_end else 1, gridspec_kw={"width_ratios": [2, 1] if has_end else [1]}, squeeze=False)
+    whole = grid[0][0]
     for column in columns:
         whole.plot(*thin(time, factor * run.history[column]), label=column, linewidth=0.9)
-        late = time >= first
-        close.plot(*thin(1e3 * time[late], factor * run.history[column][late]))
+        if has_end:
+            grid[0][1].plot(*thin(1e3 * time[late], factor * run.history[column][late]))
     whole.set(xlabel="time [s]", ylabel=label("displacement", unit))
-    close.set(xlabel="time [ms]", title="the end of the run")
+    if has_end:
+        grid[0][1].set(xlabel="time [ms]", title="the end of the run")
     whole.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8)
     return section("Displacement at the probes", figure(svg_of(chart, "probes"), "Displacement of the probes from their place at rest."),
                    figure(_spectrum(run, columns), "Amplitude spectrum of the second half of the run, Hann window."))
@@ -147,7 +154,7 @@ def _spectrum(run, columns):
     factor, unit = readable(run.history.units[columns[0]])
     lines = [main_frequency(time[late], run.history[column][late]) for column in columns]
     lines = [line for line in lines if line]
-    if not lines:
+    if not lines or max(lines) * (time[-1] - time[late][0]) < FEWEST_CYCLES:
         return ""
     highest = max(500.0, 4 * max(lines)) if max(lines) < 2000 else 4 * max(lines)
     chart, axes = new_figure()

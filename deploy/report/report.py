@@ -20,10 +20,12 @@ def report_page(run):
     """The page of one run. Sections appear where their data are there."""
     sections = [
         general.heading(run), general.quantities(run), fold.outline(run), solid.pictures(run), solid.open_area(run),
-        solid.load_and_displacement(run), general.probes(run), solid.loads(run), fold.glottal_flow(run),
+        solid.load_and_displacement(run) or general.probes(run), solid.loads(run), fold.glottal_flow(run),
         fold.pressure_along_glottis(run), flow.pictures(run), flow.integrals(run), flow.planes_and_points(run), flow.errors(run),
-        flow.solver(run), solid.energy(run), solid.contact(run), solid.reactions(run), solid.steps(run), general.coupling(run), general.cost(run),
-        general.other_columns(run, [*fold.FLOW_COLUMNS, *flow.columns_shown(run), *solid.columns_shown(run)]), general.what_was_run(run), general.machine(run),
+        flow.solver(run), solid.energy(run), solid.contact(run), solid.reactions(run), solid.steps(run), general.coupling(run),
+        general.cost(run),
+        general.other_columns(run, [*fold.FLOW_COLUMNS, *flow.columns_shown(run), *solid.columns_shown(run)]),
+        general.what_was_run(run), general.machine(run),
     ]
     sections.insert(1, general.troubles(run))  # all have been noticed by now
     return page(str(find(run.scene, "title", run.path.resolve().name)), "\n".join(part for part in sections if part))

@@ -33,7 +33,7 @@ def facts(scene):
         if len(bodies) == 1:
             yield "body", str(find(body, "name", ""))
         yield "mesh" + of, _mesh(body)
-        yield "material" + of, _material(find(body, "material", {})) + _fibres(find(body, "fibres"))
+        yield "material" + of, (_material(find(body, "material", {})) + _fibres(find(body, "fibres"))) or None
         for region in body.get("region", []):
             yield f"material of region {find(region, 'name')}{of}", _material(find(region, "material", {})) + _fibres(find(region, "fibres"))
         yield "supports" + of, _supports(body)
@@ -103,8 +103,9 @@ def _valve(mesh):
 
 def _annulus(mesh):
     angle = find(mesh, "angle", 360)
-    return (f"hollow cylinder, radii {_length(find(mesh, 'inner_radius'))} and {_length(find(mesh, 'outer_radius'))}, length {_length(find(mesh, 'length'))}"
-            + (f", {angle:g}° of it" if angle < 360 else "") + f", {_elements(mesh, 'radial', 'around', 'along')}")
+    return (f"hollow cylinder, radii {_length(find(mesh, 'inner_radius'))} and {_length(find(mesh, 'outer_radius'))}, "
+            f"length {_length(find(mesh, 'length'))}{f', {angle:g}° of it' if angle < 360 else ''}, "
+            f"{_elements(mesh, 'radial', 'around', 'along')}")
 
 
 def _hollow_sphere(mesh):

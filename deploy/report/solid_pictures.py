@@ -12,9 +12,9 @@ FACETS_OF_A_PICTURE = 5000
 SHADE = 0.28  # how much darker a facet is that stands edge-on
 FLAT = 0.15  # a body thinner than this share of its other extents is looked at straight
 VISIBLE = 0.02  # displacements below this share of the size of the bodies are drawn enlarged
-EDGE_COLOUR = (0.1, 0.12, 0.15)
+LUMINANCE = numpy.array([0.21, 0.72, 0.07])
 INK = "#444"
-MARGIN_BELOW = 0.16  # of the width of a picture, for the bar and the axes
+LEGEND_HEIGHT = 0.42  # below the first picture from each direction, for the bar and the axes [inch]
 
 
 class Camera:
@@ -105,11 +105,10 @@ class Painter:
         flat = camera.flat(self.places)
         low, high = flat.min(axis=0), flat.max(axis=0)
         margin = 0.03 * max(high - low)
-        width = high[0] - low[0] + 2 * margin
-        return numpy.array([low[0] - margin, high[0] + margin, low[1] - margin - MARGIN_BELOW * width, high[1] + margin])
+        return numpy.array([low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin])
 
     def _facets(self, b, moment, camera):
-        """Of one body, those turned to the viewer: outlines, colours, depths; then the sides on edges of elements: lines, depths."""
+        """Of one body, those turned to the viewer: outlines, colours, depths; then the same of the sides on edges of elements."""
         weights, facets, borders = self.grids[b]
         faces, displacement = self.faces[b], self.displacement(b, moment)
         point = numpy.einsum("pn,fnc->fpc", weights, self.bodies[b].position[faces] + self.enlarged * displacement[faces])
@@ -126,17 +125,25 @@ class Painter:
         colour[:, :3] *= 1 - SHADE * (1 - turned[is_seen, None])
         owner = borders[:, 2]
         side_seen = is_seen[:, owner]
+        edge = numpy.zeros((*is_seen.shape, 4))
+        edge[is_seen] = self._edge_colour(colour)
         return (camera.flat(corner[is_seen]), colour, depth[is_seen],
-                camera.flat(point[:, borders[:, [0, 1, 1, 0]]][side_seen]), depth[:, owner][side_seen])
+                camera.flat(point[:, borders[:, [0, 1, 1, 0]]][side_seen]), edge[:, owner][side_seen], depth[:, owner][side_seen])
+
+    def _edge_colour(self, colour):
+        """Darker than a light facet, lighter than a dark one."""
+        is_dark = colour[:, :3] @ LUMINANCE < 0.3
+        edge = numpy.where(is_dark[:, None], 1.0, 0.0) * numpy.ones((1, 4))
+        edge[:, 3] = self.edge_opacity
+        return edge
 
     def draw(self, axes, moment, camera, limits):
         outlines, colour, order = [], [], []
-        edge = (*EDGE_COLOUR, self.edge_opacity)
         for b in range(len(self.bodies)):
-            facets, facet_colour, facet_depth, sides, side_depth = self._facets(b, moment, camera)
+            facets, facet_colour, facet_depth, sides, side_colour, side_depth = self._facets(b, moment, camera)
             outlines += [facets, sides]
             order += [facet_depth, side_depth + 1e-9 * self.size]
-            colour += [numpy.hstack([facet_colour, facet_colour]), numpy.tile((0, 0, 0, 0, *edge), (len(sides), 1))]
+            colour += [numpy.hstack([facet_colour, facet_colour]), numpy.hstack([numpy.zeros((len(sides), 4)), side_colour])]
         turn = numpy.argsort(numpy.concatenate(order), kind="stable")
         colour = numpy.concatenate(colour)[turn]
         axes.add_collection(PolyCollection(numpy.concatenate(outlines)[turn], facecolors=colour[:, :4], edgecolors=colour[:, 4:],
@@ -147,43 +154,50 @@ class Painter:
 
 def picture(painter, cameras, titles, n_columns, outline=None):
     """All moments from each camera, on one scale of lengths and colours: PNG. `outline(axes, camera)` draws what does not move."""
-    rows = [[(camera, moment, title) for moment, title in zip(painter.moments[i:i + n_columns], titles[i:i + n_columns])]
-            for i in range(0, len(titles), n_columns) for camera in cameras]
-    limits = {id(camera): painter.limits(camera) for camera in cameras}
-    proportions = [(limits[id(row[0][0])][3] - limits[id(row[0][0])][2]) / (limits[id(row[0][0])][1] - limits[id(row[0][0])][0]) for row in rows]
     width = 8.9 / n_columns
-    heights = [numpy.clip(width * proportion, 0.5, 6) + 0.3 for proportion in proportions]
+    starts = range(0, len(titles), n_columns)
+    rows = [(camera, start) for start in starts for camera in cameras]
+    limits, heights = [], []
+    for camera, start in rows:
+        left, right, bottom, top = painter.limits(camera)
+        legend = LEGEND_HEIGHT if start == 0 else 0
+        limits.append(numpy.array([left, right, bottom - legend * (right - left) / width, top]))
+        heights.append(legend + numpy.clip(width * (top - bottom) / (right - left), 0.5, 6) + (0.35 if camera is cameras[0] else 0.1))
     chart, grid = new_figure(len(rows), n_columns, width=9.6, height=sum(heights) / len(rows), squeeze=False,
                              gridspec_kw={"height_ratios": heights})
     for axes in grid.flat:
         axes.set_axis_off()
-    for r, row in enumerate(rows):
-        for axes, (camera, moment, title) in zip(grid[r], row):
-            painter.draw(axes, moment, camera, limits[id(camera)])
+    for (camera, start), row, box in zip(rows, grid, limits):
+        for axes, moment, title in zip(row, painter.moments[start:start + n_columns], titles[start:]):
+            painter.draw(axes, moment, camera, box)
             if outline:
                 outline(axes, camera)
             if camera is cameras[0]:
                 axes.set_title(title, fontsize=8.5)
-        if r < len(cameras):
-            draw_axes_and_length(grid[r][0], row[0][0], limits[id(row[0][0])])
+        if start == 0:
+            draw_axes_and_length(row[0], camera, box, LEGEND_HEIGHT * (box[1] - box[0]) / width)
     bar = chart.colorbar(painter.colours_of_lengths(), ax=grid, shrink=min(1.0, 2.6 / sum(heights)), pad=0.01, aspect=22)
     bar.set_label(f"displacement [{length_unit(painter.largest)[1]}]", fontsize=8.5)
     bar.ax.tick_params(labelsize=8)
     return png_of(chart, dots_per_inch=160)
 
 
-def draw_axes_and_length(axes, camera, limits):
-    """In the lower margin of a picture: a bar of a round length, and where the axes of space point to."""
+def draw_axes_and_length(axes, camera, limits, height):
+    """In the lowest part of a picture: a bar of a round length, and where the axes of space point to."""
     width = limits[1] - limits[0]
-    bar, arrow = round_down(0.3 * width), 0.6 * MARGIN_BELOW * width
+    bar = round_down(0.35 * width)
     factor, unit = length_unit(bar)
-    start = numpy.array([limits[0], limits[2]]) + 0.03 * width
+    start = numpy.array([limits[0] + 0.02 * width, limits[2] + 0.15 * height])
     axes.plot([start[0], start[0] + bar], [start[1]] * 2, color=INK, linewidth=1.6, solid_capstyle="butt")
     axes.annotate(f"{factor * bar:g} {unit}", start, xytext=(0, 3), textcoords="offset points", fontsize=7.5, color=INK)
-    origin = numpy.array([limits[1] - 0.16 * width, limits[2] + 0.03 * width])
-    for axis, direction in zip(AXES, camera.flat(numpy.eye(3))):
+    arrow = 0.5 * height
+    directions = camera.flat(numpy.eye(3))
+    origin = numpy.array([limits[1] - 0.02 * width, limits[2] + 0.12 * height]) - arrow * (1.4 * directions.max(axis=0) * (1, 0)
+                                                                                          + 1.2 * numpy.minimum(directions.min(axis=0), 0) * (0, 1))
+    for axis, direction in zip(AXES, directions):
         if numpy.linalg.norm(direction) < 0.05:
             continue
-        axes.annotate("", origin + arrow * direction, origin,
+        axes.annotate("", origin + arrow * direction, origin, annotation_clip=False,
                       arrowprops={"arrowstyle": "->", "color": INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6})
-        axes.annotate(axis, origin + 1.3 * arrow * direction, fontsize=7.5, color=INK, ha="center", va="center")
+        axes.annotate(axis, origin + (arrow + 0.2 * height / numpy.linalg.norm(direction)) * direction, fontsize=7.5, color=INK, ha="center",
+                      va="center", annotation_clip=False)

@@ -2,6 +2,7 @@
 
 import numpy
 from matplotlib.patches import Circle
+from matplotlib.ticker import MaxNLocator
 
 import solid_facts
 from figures import label, new_figure, readable, svg_of
@@ -17,6 +18,7 @@ WORK = {"solid.external_work": "work of the loads", "solid.damping_work": "lost 
 CONTACT = {"solid.contact_force": "contact force", "solid.smallest_distance": "smallest distance"}
 STEPS = {"solid.substeps": "substeps", "solid.newton_iterations": "Newton iterations", "solid.residual": "out-of-balance force, relative",
          "solid.negative_pivots": "negative pivots"}
+COUNTS = ("solid.substeps", "solid.newton_iterations", "solid.negative_pivots")
 REACTION = "solid.reaction."
 OPEN_FROM, OPEN_TO = 0.1, 0.9  # of the largest area: between them an orifice is opening or closing
 N_PICTURES = 6
@@ -65,7 +67,9 @@ def cycles_of_opening(time, area):
         if before >= low > now and "is_open" in current:
             cycles.append(current | {"is_closed": when(k, low)})
             current = {}
-    return cycles + ([current] if current.get("is_open") is not None or "closes" in current else [])
+    if current.get("is_open") is not None:  # open until the end of the run
+        cycles.append({key: current[key] for key in ("opens", "is_open") if key in current})
+    return cycles
 
 
 def open_area(run):
@@ -87,11 +91,14 @@ def open_area(run):
     largest = max(run.history[name].max() for name in names)
     axes.set(xlabel="time [s]", ylabel="open area [cm²]", ylim=(0, 1.08e4 * largest if largest > 0 else 1))
     axes.legend(fontsize=8)
-    sizes = [(name, number(run.history[name].max(), 4), number(1e4 * run.history[name].max(), 4), number(float(time[run.history[name].argmax()])),
-              number(run.history[name].min(), 4), number(1e4 * run.history[name].min(), 4)) for name in names]
-    return section("Open area", figure(svg_of(chart, "open-area"), "Open area, and the moments at which it passes 10 % and 90 % of its largest value."),
-                   table(("orifice", "largest [m²]", "[cm²]", "at [s]", "smallest [m²]", "[cm²]"), sizes, numbers=(1, 2, 3, 4, 5)),
-                   table(("orifice", "opens: 10 % at [s]", "90 % at [s]", "closes: 90 % at [s]", "10 % at [s]"), rows, numbers=(1, 2, 3, 4)) if rows else "")
+    sizes = []
+    for name in names:
+        low, high, at = run.history[name].min(), run.history[name].max(), time[run.history[name].argmax()]
+        sizes.append((name, number(high, 4), number(1e4 * high, 4), number(at), number(low, 4), number(1e4 * low, 4)))
+    return section("Open area", table(("orifice", "largest [m²]", "[cm²]", "at [s]", "smallest [m²]", "[cm²]"), sizes, numbers=(1, 2, 3, 4, 5)),
+                   figure(svg_of(chart, "open-area"), "Open area, and the moments at which it passes 10 % and 90 % of its largest value."),
+                   table(("orifice", "opens: 10 % at [s]", "90 % at [s]", "closes: 90 % at [s]", "10 % at [s]"), rows, numbers=(1, 2, 3, 4))
+                   if rows else "")
 
 
 def _valve_view(scene):
@@ -151,7 +158,7 @@ def pictures(run):
         limits = painter.limits(camera)
         is_long = (limits[3] - limits[2]) < 0.45 * (limits[1] - limits[0])
         image = picture(painter, [camera], titles, 2 if is_long else 3)
-        words = "Start, end, the extremes of the motion, and what differs most from these."
+        words = "All stored states." if len(moments) == len(bodies[0]) else "Start and end, the extremes of the motion and moments between them."
     what = "The body" if len(solid.get("body", [])) < 2 else "The bodies"
     files = ", ".join(f"results/{body.name}.xmf" for body in bodies)
     return section(what, figure(image, f"Outer surface, coloured by the size of the displacement. {words}{enlarged}"),
@@ -173,7 +180,7 @@ def _tube(axis, radius, centre):
 
 
 def loads(run):
-    """Loads and prescribed motions that change, over time; only what has constant values stands in words at the end of the page."""
+    """Loads and prescribed motions that change, over time. Constant ones stand in words only, at the end of the page."""
     end = find(run.scene, "time.end")
     if not end or "solid" not in run.scene:
         return ""
@@ -213,7 +220,8 @@ def energy(run):
         axes.plot(*thin(time, factor * run.history[name]), "--", label=WORK[name], linewidth=1)
     axes.set(xlabel="time [s]", ylabel=f"energy [{unit}]")
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8)
-    return section("Energy of the solid", figure(svg_of(chart, "solid-energy"), "Without loads, damping and contact the sum stays what it is."))
+    caption = "Without loads and damping the sum would stay the same." if len(names) > 1 and "solid.kinetic_energy" in names else "Over time."
+    return section("Energy of the solid", figure(svg_of(chart, "solid-energy"), caption))
 
 
 def _plots(run, names, identity, titles):
@@ -224,6 +232,8 @@ def _plots(run, names, identity, titles):
         factor, unit = readable(run.history.units[name])
         axes.plot(*thin(time, factor * run.history[name]), linewidth=0.9)
         axes.set(xlabel="time [s]", ylabel=label(titles[name], unit))
+        if name in COUNTS:
+            axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     for axes in list(grid.flat)[len(names):]:
         axes.set_visible(False)
     return svg_of(chart, identity)
@@ -231,8 +241,11 @@ def _plots(run, names, identity, titles):
 
 def contact(run):
     names = _changing(run, CONTACT) if has_rows(run, 3) else []
-    return section("Contact", figure(_plots(run, names, "contact", CONTACT), "Sum of the sizes of the contact forces, and the smallest distance of surfaces in contact."
-                                     if len(names) > 1 else f"{CONTACT[names[0]].capitalize()} over time.")) if names else ""
+    if not names:
+        return ""
+    words = {"solid.contact_force": "what surfaces or planes press on bodies", "solid.smallest_distance": "how close surfaces come that touch"}
+    caption = "; ".join(words[name] for name in names)
+    return section("Contact", figure(_plots(run, names, "contact", CONTACT), f"{caption[0].upper()}{caption[1:]}."))
 
 
 def reactions(run):
@@ -288,4 +301,5 @@ def load_and_displacement(run):
         axes.plot(factor * run.history[column], load, marker="o" if len(time) <= 60 else "", markersize=3, label=column)
     axes.set(xlabel=label("displacement", unit), ylabel=title)
     axes.legend(fontsize=8)
-    return section("Load and displacement", figure(svg_of(chart, "load-displacement"), f"Equilibria of all {len(time)} steps at the probes: {', '.join(probe_names(run))}."))
+    caption = f"Equilibria of all {len(time)} steps at the probes: {', '.join(probe_names(run))}."
+    return section("Load and displacement", figure(svg_of(chart, "load-displacement"), caption))
