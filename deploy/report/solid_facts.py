@@ -9,6 +9,8 @@ from scene_text import find
 
 UNITS = {"young_modulus": " Pa", "shear_modulus": " Pa", "bulk_modulus": " Pa", "matrix_shear_modulus": " Pa", "a10": " Pa", "a01": " Pa",
          "k1": " Pa", "c0": " Pa", "fibre_angle": "°"}
+LAWS = {"saint_venant_kirchhoff": "Saint Venant-Kirchhoff", "mooney_rivlin": "Mooney-Rivlin", "neo_hookean": "neo-Hookean",
+        "holzapfel_gasser_ogden": "Holzapfel-Gasser-Ogden", "may_newman": "May-Newman"}
 MESHES = ("vocal_fold", "box", "mesh_file", "valve", "annulus", "hollow_sphere", "ball", "cylinder_beam", "arch")
 LOADS = (("pressure", "surface", "Pa"), ("traction", "surface", "Pa"), ("node_force", "nodes", "N"))
 METHODS = {"CENTRAL_DIFFERENCE": "central difference", "GENERALIZED_ALPHA": "generalized alpha", "STATIC": "static equilibrium at every step",
@@ -98,7 +100,8 @@ def _vocal_fold(mesh):
 
 def _valve(mesh):
     return (f"three leaflets in a tube, radius {_length(find(mesh, 'tube_radius'))}, height {_length(find(mesh, 'height'))}, "
-            f"thickness {_length(find(mesh, 'thickness'))}, each {_elements(mesh, *'uvt')}")
+            f"thickness {_length(find(mesh, 'thickness'))}; of each {find(mesh, 'elements_u')} elements along the free edge, "
+            f"{find(mesh, 'elements_v')} up to its middle, {find(mesh, 'elements_t')} through the thickness")
 
 
 def _annulus(mesh):
@@ -142,7 +145,7 @@ def _material(material):
     if law is None:
         return ""
     constants = ", ".join(f"{name.replace('_', ' ')} {values[0]:g}{UNITS.get(name, '')}" for name, values in material[law][0].items())
-    return f"{law.replace('_', ' ')}: {constants}; density {find(material, 'density', math.nan):g} kg/m³"
+    return f"{LAWS.get(law, law.replace('_', ' '))}: {constants}; density {find(material, 'density', math.nan):g} kg/m³"
 
 
 def _fibres(fibres):

@@ -139,6 +139,8 @@ def pictures(run):
     valve = _valve_view(run.scene)
     solid = solid_facts.solid_of(run.scene)
     moments = choose_moments(bodies, _wanted_times(run) if valve else (), N_PICTURES)
+    if not moments:
+        return ""
     painter = Painter(bodies, moments, may_enlarge=not (valve or solid.get("contact") or solid.get("rigid_plane")))
     end = bodies[0].time[-1]
     titles = [time_words(bodies[0].time[moment], end) for moment in moments]

@@ -78,14 +78,15 @@ def progress(bodies):
     stride = max(1, sum(len(body.position) for body in bodies) // 5000)
     fields = numpy.array([numpy.concatenate([body.field(min(k, len(body) - 1), "displacement")[::stride].ravel() for body in bodies])
                           for k in sample])
-    moved = fields - fields[0]
+    moved = numpy.nan_to_num(fields - fields[0], posinf=0, neginf=0)
     farthest = moved[(moved**2).sum(axis=1).argmax()]
     scale = (farthest**2).sum()
     return sample, moved @ farthest / scale if scale > 0 else numpy.zeros(len(sample))
 
 
 def choose_moments(bodies, wanted_times=(), n_most=6):
-    """Indices of states, in order: first and last, those nearest to wanted times, the extremes of the motion, then what differs most from these."""
+    """Indices of states, in order: first and last, those nearest to wanted times, the extremes of the motion, then what differs most from these.
+    States that are not finite are left out."""
     sample, share = progress(bodies)
     chosen = [0, len(bodies[0]) - 1] + [bodies[0].nearest(time) for time in wanted_times]
     if not wanted_times:
@@ -98,4 +99,4 @@ def choose_moments(bodies, wanted_times=(), n_most=6):
         distance = numpy.linalg.norm(place[:, None] - taken[None], axis=-1).min(axis=1)
         distance[numpy.isin(sample, chosen)] = -1
         chosen.append(int(sample[distance.argmax()]))
-    return sorted(chosen)
+    return sorted(k for k in chosen if all(numpy.isfinite(body.field(min(k, len(body) - 1), "displacement")).all() for body in bodies))

@@ -84,6 +84,13 @@ class MomentTest(FolderTest):
         self.assertEqual(choose_moments(RunFolder(self.folder).bodies()), [0])
 
 
+    def test_leaves_out_what_is_not_finite(self):
+        position, cells = BOXES["hexahedron8"](1, 1, 1, (1.0, 1.0, 1.0))
+        write_result(self.folder / "results", "body", "hexahedron8", position, cells, [0.0, 1.0, 2.0],
+                     lambda t: {"displacement": (numpy.nan if t == 2 else t) * numpy.ones_like(position)})
+        self.assertEqual(choose_moments(RunFolder(self.folder).bodies()), [0, 1])
+
+
 class PictureTest(FolderTest):
     def painter(self, displacement, may_enlarge=True):
         position, cells = BOXES["hexahedron20"](2, 2, 2, (1.0, 1.0, 1.0))
@@ -191,7 +198,7 @@ class FactsTest(unittest.TestCase):
         for text, words in (('vocal_fold { medial_thickness: 1e-3 elements_x: 6 elements_y: 9 elements_z: 12 half_length: true }', "6 × 9 × 6 elements"),
                             ('box { length { x: 1 y: 0.02 z: 3 } elements_x: 4 elements_y: 2 elements_z: 1 }', "box, 1 m × 20 mm × 3 m, 4 × 2 × 1"),
                             ('mesh_file { file: "a.msh" length_unit: 0.001 }', "file a.msh, one unit is 1 mm"),
-                            ('valve { thickness: 3e-4 elements_u: 20 elements_v: 16 elements_t: 1 }', "thickness 0.3 mm, each 20 × 16 × 1"),
+                            ('valve { thickness: 3e-4 elements_u: 20 elements_v: 16 elements_t: 1 }', "thickness 0.3 mm; of each 20 elements along the free edge, 16 up to its middle, 1 through"),
                             ('annulus { inner_radius: 0.01 outer_radius: 0.02 length: 0.1 angle: 90 }', "90° of it"),
                             ('hollow_sphere { inner_radius: 0.01 outer_radius: 0.02 }', "eighth of a hollow sphere, radii 10 mm and 20 mm"),
                             ('ball { radius: 0.01 part: LOWER_HALF elements: 4 }', "lower half of a ball, radius 10 mm"),
@@ -202,7 +209,7 @@ class FactsTest(unittest.TestCase):
     def test_says_what_holds_and_moves_the_bodies(self):
         words = self.words(CONTACT_SCENE)
         for part in ("contact: lower/y_max with upper/bottom, within 0.1 mm", "supports of lower: y_min fixed", "14 points each",
-                     "material of region cover of upper: saint venant kirchhoff: young modulus 20000 Pa, poisson ratio 0.4; density 1040 kg/m³",
+                     "material of region cover of upper: Saint Venant-Kirchhoff: young modulus 20000 Pa, poisson ratio 0.4; density 1040 kg/m³",
                      "gravity: 0 m/s² at 0 s to 9.81 m/s² at 0.05 s, towards (0, -1, 0)", "motion of upper/top: x: x*t, y: -1e-3*sin(pi*t/0.1) [m]",
                      "time integration: central difference"):
             self.assertIn(part, words)
