@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/dynamics/central_difference.hpp"
 #include "solid-server/dynamics/stable_step.hpp"
 #include "solid-server/element/mass.hpp"
@@ -35,19 +36,13 @@ std::vector<KickVelocity> kick_velocities(const SolidMesh& mesh, const std::vect
   return velocities;
 }
 
-double kinetic_energy(const Eigen::VectorXd& mass, const NodeVectors& velocity) {
-  double sum = 0;
-  for (Eigen::Index n = 0; n < mass.size(); ++n) sum += mass[n] * velocity.row(n).squaredNorm();
-  return sum / 2;
-}
-
 std::vector<double> densities(const std::vector<BlockProperties>& properties) {
   std::vector<double> density;
   for (const BlockProperties& block : properties) density.push_back(block.density);
   return density;
 }
 
-PrescribedLoads prescribed_loads(const SolidSetup& setup, const Eigen::VectorXd& mass) {
+PrescribedLoads prescribed_loads(const SolidSetup& setup, const Eigen::VectorXd& lumped) {
   PrescribedLoads loads{setup.pressures, {}};
   for (std::size_t l = 0; l < setup.tractions.size(); ++l)
     loads.dead.push_back(
@@ -55,8 +50,19 @@ PrescribedLoads prescribed_loads(const SolidSetup& setup, const Eigen::VectorXd&
   for (std::size_t l = 0; l < setup.node_forces.size(); ++l)
     loads.dead.push_back(
         make_dead_load(setup.mesh, setup.node_forces[l], "solid.node_force[" + std::to_string(l) + "].nodes"));
-  if (setup.gravity) loads.dead.push_back(make_body_force(mass, setup.gravity));
+  if (setup.gravity)
+    loads.dead.push_back(make_body_force(setup.method == TimeMethod::central_difference
+                                             ? lumped
+                                             : row_sums_of_mass(setup.mesh, densities(setup.properties)),
+                                         setup.gravity));
   return loads;
+}
+
+std::vector<ContactPair> contact_pairs(const SolidSetup& setup) {
+  std::vector<ContactPair> pairs;
+  for (const ContactPair& pair : setup.contacts)
+    pairs.push_back(complete(pair, setup.mesh, setup.properties, static_cast<int>(pairs.size())));
+  return pairs;
 }
 
 Motion at_rest(Index n_nodes, std::size_t n_wetted) {
@@ -75,13 +81,14 @@ struct SolidModel::Parts {
   NodeVectors inverse_mass;  // (n_nodes, 4) [1/kg]
   NodalForce force;
   WorkTeam team;
-  CentralDifference integrator;
+  CentralDifference* central_difference = nullptr;  // the integrator, when it is this one
+  GeneralizedAlpha* generalized_alpha = nullptr;    // or this one
+  std::unique_ptr<TimeIntegrator> integrator;
   double smallest_length;       // [m]
   double contact_rate_squared;  // bound of contact's part of omega_max^2 [1/s^2]
   SolidState accepted, trial;
   SolidEnergy energy;
-  int n_substeps_last = 0;
-  long n_substeps_total = 0;
+  StepWork work_last, work_total;
 
   explicit Parts(SolidSetup s)
       : setup(std::move(s)),
@@ -89,48 +96,66 @@ struct SolidModel::Parts {
         mass(lumped_mass(setup.mesh, densities(setup.properties))),
         inverse_mass(solid::inverse_mass(setup.mesh, mass, setup.supports)),
         force(setup.mesh, setup.properties,
-              ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes), setup.n_threads),
+              ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes, contact_pairs(setup)),
+              setup.n_threads),
         team(setup.n_threads),
-        integrator(force, inverse_mass, setup.damping, kick_velocities(setup.mesh, setup.kicks), team),
+        integrator(make_integrator()),
         smallest_length(smallest_edge(setup.mesh)),
         contact_rate_squared(
-            force.contact().stiffness_bound(setup.mesh.n_nodes()).cwiseProduct(inverse_mass.col(1)).maxCoeff()) {
-    if (!setup.planes.empty() && wetted.face.empty())
-      throw report::SceneError("solid.rigid_plane", "no surface of the body is wetted, so nothing can touch the plane",
-                               "name the surfaces that may touch it in solid.body[0].wetted");
+            force.external().contact_stiffness_bound().cwiseProduct(inverse_mass.rowwise().maxCoeff()).maxCoeff()) {}
+
+  std::unique_ptr<TimeIntegrator> make_integrator() {
+    HeldMotion held(setup.mesh, setup.supports.prescribed);
+    std::vector<KickVelocity> kicks = kick_velocities(setup.mesh, setup.kicks);
+    if (setup.method == TimeMethod::central_difference) {
+      auto made = std::make_unique<CentralDifference>(setup.mesh, force, mass, inverse_mass, std::move(held),
+                                                      setup.damping, std::move(kicks), team);
+      central_difference = made.get();
+      return made;
+    }
+    auto body = std::make_unique<BodyEquations>(setup.mesh, setup.properties, free_components(inverse_mass),
+                                                std::move(held), force, team);
+    if (setup.method == TimeMethod::static_equilibrium)
+      return std::make_unique<StaticSolution>(std::move(body), setup.statics);
+    auto made = std::make_unique<GeneralizedAlpha>(std::move(body), setup.damping, std::move(kicks), setup.implicit);
+    generalized_alpha = made.get();
+    return made;
   }
 
+  /// Only the central difference method has a limit.
   void estimate_stable_step() {
+    if (!central_difference) return;
     accepted.stable_step =
         stable_step([&](const NodeVectors& u) { return force.internal_only(u); }, accepted.motion.displacement,
                     inverse_mass, smallest_length, contact_rate_squared, setup.damping.stiffness_factor);
     accepted.n_accepted_since_estimate = 0;
+    limit_substep();
+  }
+
+  void limit_substep() {
+    double largest = setup.step.safety * accepted.stable_step;
+    if (setup.step.largest_substep > 0) largest = std::min(largest, setup.step.largest_substep);
+    central_difference->limit_substep(largest);
   }
 
   /// The force at t = 0, before any interface load: pressures and planes may already act.
   void find_first_force() {
     accepted.motion.force = force.all(accepted.motion.displacement, {accepted.motion.time, 0, false});
   }
-
-  [[noreturn]] void refuse_inverted(double start, double end) const {
-    const Index element = force.inverted_element();
-    throw report::NumericsError("solid, t = " + std::to_string(start) + " to " + std::to_string(end) + " s",
-                                setup.mesh.describe_element(element) + " at rest is turned inside out",
-                                "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
-                                "resists strong compression better "
-                                "than saint_venant_kirchhoff");
-  }
 };
 
 SolidModel::SolidModel(SolidSetup setup) : parts_(std::make_unique<Parts>(std::move(setup))) {
   Parts& p = *parts_;
   p.accepted.motion = at_rest(p.setup.mesh.n_nodes(), p.wetted.solid_node.size());
+  p.accepted.method = p.setup.method;
   p.trial = p.accepted;
   p.find_first_force();
   p.estimate_stable_step();
 }
 
 SolidModel::~SolidModel() = default;
+SolidModel::SolidModel(SolidModel&&) noexcept = default;
+SolidModel& SolidModel::operator=(SolidModel&&) noexcept = default;
 
 const SolidMesh& SolidModel::mesh() const {
   return parts_->setup.mesh;
@@ -147,29 +172,38 @@ const SolidState& SolidModel::accepted() const {
 SolidEnergy SolidModel::energy() const {
   return parts_->energy;
 }
-int SolidModel::n_substeps_of_last_step() const {
-  return parts_->n_substeps_last;
+std::vector<Reaction> SolidModel::reactions() const {
+  const NodeVectors force = parts_->integrator->support_force(parts_->accepted.motion);
+  std::vector<Reaction> reactions;
+  for (const SupportComponents& support : support_components(parts_->setup.mesh, parts_->setup.supports)) {
+    reactions.push_back({support.name});
+    for (const auto& [node, axis] : support.components) reactions.back().force[axis] += force(node, axis);
+  }
+  return reactions;
 }
-long SolidModel::n_substeps_total() const {
-  return parts_->n_substeps_total;
+const StepWork& SolidModel::work_of_last_step() const {
+  return parts_->work_last;
+}
+ImplicitCost SolidModel::implicit_cost(double duration) {
+  return parts_->generalized_alpha->measure(parts_->accepted.motion, duration);
+}
+StepWork SolidModel::total_work() const {
+  return parts_->work_total;
 }
 double SolidModel::element_seconds() const {
   return parts_->force.element_seconds();
 }
 
 int SolidModel::n_substeps(double duration) const {
-  const StepControl& control = parts_->setup.step;
-  double largest = control.safety * parts_->accepted.stable_step;
-  if (control.largest_substep > 0) largest = std::min(largest, control.largest_substep);
-  return std::max(1, static_cast<int>(std::ceil(duration / largest * (1 - 1e-12))));
+  if (parts_->central_difference) return parts_->central_difference->n_substeps(duration);
+  const double largest = parts_->setup.implicit.largest_substep;
+  return largest > 0 ? n_equal_steps(duration, largest) : 1;
 }
 
 void SolidModel::solve_step(double duration, const surface::NodeArray& interface_force) {
   Parts& p = *parts_;
-  p.n_substeps_last = n_substeps(duration);
-  p.integrator.advance(p.accepted.motion, duration, p.n_substeps_last, interface_force, p.trial.motion);
-  p.n_substeps_total += p.n_substeps_last;
-  if (p.force.inverted_element() >= 0) p.refuse_inverted(p.accepted.motion.time, p.trial.motion.time);
+  p.work_last = p.integrator->advance(p.accepted.motion, duration, interface_force, p.trial.motion);
+  p.work_total.add(p.work_last);
 }
 
 void SolidModel::align_time(double accepted_time) {
@@ -180,21 +214,31 @@ void SolidModel::accept_step() {
   Parts& p = *parts_;
   std::swap(p.accepted.motion, p.trial.motion);
   const Motion& motion = p.accepted.motion;
-  p.energy.kinetic = kinetic_energy(p.mass, motion.velocity);
+  p.energy.kinetic = p.integrator->kinetic_energy(motion);
   p.energy.strain = p.force.strain_energy();
-  const auto contact = p.force.contact().total(motion.displacement.data());
+  const auto contact = p.force.external().contact_total(motion.displacement.data());
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
   if (++p.accepted.n_accepted_since_estimate >= p.setup.step.estimate_every) p.estimate_stable_step();
 }
 
+void SolidModel::note_why_method(std::string reason) {
+  parts_->accepted.why_method = std::move(reason);
+}
+
 void SolidModel::resume(SolidState state) {
+  if (state.method != parts_->setup.method) {
+    SolidSetup setup = std::move(parts_->setup);
+    setup.method = state.method;
+    *this = SolidModel(std::move(setup));
+  }
   parts_->accepted = std::move(state);
+  if (parts_->central_difference) parts_->limit_substep();
 }
 
 std::size_t SolidModel::memory_bytes() const {
   const auto n_nodes = static_cast<std::size_t>(parts_->inverse_mass.rows());
-  return parts_->force.memory_bytes() + n_nodes * sizeof(double) * 4 * (2 * 3 + 1);
+  return parts_->force.memory_bytes() + parts_->integrator->memory_bytes() + n_nodes * sizeof(double) * 4 * (2 * 3 + 1);
 }
 
 }  // namespace couplet::solid

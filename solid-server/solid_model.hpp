@@ -5,7 +5,9 @@
 
 #include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
-#include "solid-server/dynamics/motion.hpp"
+#include "solid-server/contact/surface_contact.hpp"
+#include "solid-server/dynamics/generalized_alpha.hpp"
+#include "solid-server/dynamics/static_solution.hpp"
 #include "solid-server/load/dead_load.hpp"
 #include "solid-server/load/surface_pressure.hpp"
 #include "solid-server/mesh/wetted_surface.hpp"
@@ -18,6 +20,8 @@ struct Kick {
   double time = 0;                                                  // [s]
   std::function<Eigen::Vector3d(const Eigen::Vector3d&)> velocity;  // of the position at rest [m/s]
 };
+
+enum class TimeMethod { central_difference, generalized_alpha, static_equilibrium };
 
 struct StepControl {
   double safety = 0.9;         // substep over the estimated stable step
@@ -38,7 +42,11 @@ struct SolidSetup {
   std::vector<NodeForce> node_forces;
   VectorOverTime gravity;  // acceleration [m/s^2]; empty: none
   std::vector<RigidPlane> planes;
-  StepControl step;
+  std::vector<ContactPair> contacts;  // stiffness or largest_depth 0: as contact/penalty_stiffness has it
+  TimeMethod method = TimeMethod::central_difference;
+  StepControl step;          // of the central difference method
+  ImplicitControl implicit;  // of the generalized-alpha method
+  StaticControl statics;
   int n_threads = 1;
 };
 
@@ -47,26 +55,36 @@ struct SolidState {
   Motion motion;
   double stable_step = 0;  // as last estimated [s]
   int n_accepted_since_estimate = 0;
+  TimeMethod method = TimeMethod::central_difference;
+  std::string why_method;  // one sentence when it was chosen by its cost; else empty
+};
+
+/// What a named support exerts on the body.
+struct Reaction {
+  std::string support;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // [N]
 };
 
 struct SolidEnergy {
   double kinetic = 0, strain = 0, contact = 0;  // [J]
-  double contact_force = 0;                     // of the rigid planes on the body [N]
+  double contact_force = 0;                     // of rigid planes on bodies and of bodies on each other [N]
 };
 
 /// Two states: accepted and trial. solve_step always starts from the accepted one.
 class SolidModel {
  public:
-  /// At rest at t = 0. Throws SceneError for surfaces that do not exist, folded elements, planes without a wetted
-  /// surface.
+  /// At rest at t = 0. Throws SceneError for surfaces that do not exist, folded elements, planes that nothing
+  /// can touch.
   explicit SolidModel(SolidSetup setup);
   ~SolidModel();
+  SolidModel(SolidModel&&) noexcept;
+  SolidModel& operator=(SolidModel&&) noexcept;
 
   const SolidMesh& mesh() const;
   const WettedSurface& wetted() const;
 
   /// From the accepted state over `duration` [s] with the force on the wetted nodes at its end, (n wetted nodes, 3)
-  /// [N]. Throws NumericsError when an element is turned inside out.
+  /// [N]. Throws NumericsError when an element is turned inside out or an implicit step has no solution.
   void solve_step(double duration, const surface::NodeArray& interface_force);
 
   /// The time of the accepted state as the coupler has it, which adds up steps with another round-off.
@@ -76,12 +94,16 @@ class SolidModel {
   /// Makes the trial state the accepted one; estimates the stable step again when it is due.
   void accept_step();
   const SolidState& accepted() const;
-  void resume(SolidState state);  // sizes must be those of accepted()
+  void note_why_method(std::string reason);  // a sentence that checkpoints keep
+  void resume(SolidState state);  // sizes must be those of accepted(); the method becomes that of the state
 
-  int n_substeps(double duration) const;  // that a step of this duration [s] takes now
+  int n_substeps(double duration) const;  // that a step of this duration [s] takes now, when nothing goes wrong
   SolidEnergy energy() const;             // of the last accepted step
-  int n_substeps_of_last_step() const;
-  long n_substeps_total() const;     // repeated steps included
+  std::vector<Reaction> reactions() const;  // in the accepted state, of each support
+  const StepWork& work_of_last_step() const;
+  /// What implicit steps of this duration [s] cost. Only with the generalized-alpha method.
+  ImplicitCost implicit_cost(double duration);
+  StepWork total_work() const;       // repeated steps included; the worst residual
   double element_seconds() const;    // spent in the element kernel
   std::size_t memory_bytes() const;  // of the arrays of the time loop
 

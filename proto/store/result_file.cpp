@@ -43,13 +43,44 @@ void remove_blocks(const std::filesystem::path& folder, const std::string& name,
 
 }  // namespace
 
+std::int64_t cell_code(CellShape shape) {
+  switch (shape) {
+    case CellShape::hexahedron20:
+      return 48;
+    case CellShape::hexahedron8:
+      return 9;
+    case CellShape::tetrahedron10:
+      return 38;
+    case CellShape::polyline:
+    case CellShape::mixed:
+      break;
+  }
+  assert(false);
+  return 0;
+}
+
+std::int64_t count_cells(CellShape shape, const std::vector<std::int64_t>& cell_node) {
+  if (shape != CellShape::mixed) return static_cast<std::int64_t>(cell_node.size()) / layout_of(shape).n_columns;
+  std::int64_t n_cells = 0;
+  for (std::size_t at = 0; at < cell_node.size(); ++n_cells) {
+    const std::int64_t code = cell_node[at];
+    const CellShape kind = code == cell_code(CellShape::hexahedron20)  ? CellShape::hexahedron20
+                           : code == cell_code(CellShape::hexahedron8) ? CellShape::hexahedron8
+                                                                       : CellShape::tetrahedron10;
+    assert(code == cell_code(kind));
+    at += 1 + static_cast<std::size_t>(layout_of(kind).n_columns);
+  }
+  return n_cells;
+}
+
 struct ResultWriter::State {
   State(const std::filesystem::path& in, const std::string& name_of_result, const ResultMesh& given)
-      : folder(in), name(name_of_result), mesh(drawn(given)) {}
+      : folder(in), name(name_of_result), mesh(drawn(given)), n_cells(count_cells(mesh.shape, mesh.cell_node)) {}
 
   std::filesystem::path folder;
   std::string name;
   ResultMesh mesh;
+  std::int64_t n_cells;
   std::vector<XdmfField> fields;  // known from the first append on
   bool is_moving = false;
   std::optional<StateBlock> block;
@@ -59,7 +90,7 @@ struct ResultWriter::State {
   std::int64_t n_states = 0, n_states_on_disk = 0;
 
   XdmfMesh xdmf_mesh() const {
-    return {mesh.shape, mesh.node_position.rows(), static_cast<std::int64_t>(mesh.cell_node.size()),
+    return {mesh.shape, mesh.node_position.rows(), n_cells, static_cast<std::int64_t>(mesh.cell_node.size()),
             block_file_name(name, 0)};
   }
 

@@ -12,15 +12,20 @@
 
 namespace couplet::store {
 
-enum class CellShape { polyline, hexahedron20 };
+enum class CellShape { polyline, hexahedron20, hexahedron8, tetrahedron10, mixed };
 
-/// Node order of hexahedron20: XDMF's Hexahedron_20 (that of VTK): 8 corners, 4 edges of the bottom, 4 of the top, 4
-/// upright.
+/// Node orders are those of XDMF's Hexahedron_20, Hexahedron and Tetrahedron_10 (those of VTK): corners, then midside
+/// nodes; of hexahedra 4 edges of the bottom, 4 of the top, 4 upright; of tetrahedra edges 0-1, 1-2, 2-0, 0-3, 1-3,
+/// 2-3.
 struct ResultMesh {
   CellShape shape;
   surface::NodeArray node_position;     // (n_nodes, 3) reference position [m]
-  std::vector<std::int64_t> cell_node;  // (n_cells * nodes per cell); a polyline is one cell of any length
+  std::vector<std::int64_t> cell_node;  // (n_cells * nodes per cell); a polyline is one cell of any length;
+                                        // mixed: each cell is its cell_code and its nodes
 };
+
+/// The number of a shape among mixed cells: XDMF's. Not for polyline and mixed.
+std::int64_t cell_code(CellShape shape);
 
 /// Appends states, kept safe from a run that is killed: the numbers of a state go to places that are reserved in the
 /// HDF5 file beforehand, so that the structure of the file never changes while somebody may kill the run or look at it.

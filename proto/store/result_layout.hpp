@@ -3,25 +3,46 @@
 //
 //   NAME.h5, NAME.0001.h5, ...   blocks of states, in order of time; the first holds the mesh too
 //     mesh/position   double (n_nodes, 3)       reference position [m]
-//     mesh/cell       integer (n_cells, n)      nodes of the cells; a polyline is stored as its segments
-//     mesh/shape      text                      polyline or hexahedron20
+//     mesh/cell       integer (n_cells, n)      nodes of the cells; a polyline is stored as its segments; of mixed
+//     cells
+//                                               (any, 1): the number of its shape (cell_code) and its nodes for each
+//     mesh/shape      text                      polyline, hexahedron20, hexahedron8, tetrahedron10 or mixed
 //     field_names     text                      separated by commas
 //     n_states        integer (1)               states that are complete in this block
 //     time            double (n_slots)          [s]
 //     state/I/NAME    float (n_nodes, n)        field NAME of the block's state I = 0, 1, ...
 //     state/I/position float (n_nodes, 3)       moved nodes, where the fields have a displacement
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "proto/store/result_file.hpp"
 
 namespace couplet::store {
 
-inline std::int64_t nodes_per_cell(CellShape shape) {
-  return shape == CellShape::polyline ? 2 : 20;
+/// What the files call a shape, and how many columns their arrays of cells have.
+struct CellLayout {
+  CellShape shape;
+  const char* name;
+  std::int64_t n_columns;
+};
+
+inline constexpr std::array<CellLayout, 5> cell_layouts = {{{CellShape::polyline, "polyline", 2},
+                                                            {CellShape::hexahedron20, "hexahedron20", 20},
+                                                            {CellShape::hexahedron8, "hexahedron8", 8},
+                                                            {CellShape::tetrahedron10, "tetrahedron10", 10},
+                                                            {CellShape::mixed, "mixed", 1}}};
+
+inline const CellLayout& layout_of(CellShape shape) {
+  return cell_layouts[static_cast<std::size_t>(shape)];
 }
+
+/// The number of cells in an array of cells.
+std::int64_t count_cells(CellShape shape, const std::vector<std::int64_t>& cell_node);
 
 inline std::string block_file_name(const std::string& name, int block) {
   if (block == 0) return name + ".h5";

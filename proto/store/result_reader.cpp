@@ -1,5 +1,6 @@
 #include "proto/store/result_reader.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 #include "proto/report/failure.hpp"
@@ -16,10 +17,13 @@ std::vector<std::string> split(const std::string& names) {
   return parts;
 }
 
-ResultMesh read_mesh(const Hdf5File& file) {
-  const bool is_line = file.read_text("mesh/shape") == "polyline";
-  return {is_line ? CellShape::polyline : CellShape::hexahedron20, file.read("mesh/position"),
-          file.read_integers("mesh/cell")};
+ResultMesh read_mesh(const Hdf5File& file, const std::filesystem::path& path) {
+  const std::string name = file.read_text("mesh/shape");
+  const auto layout =
+      std::find_if(cell_layouts.begin(), cell_layouts.end(), [&](const CellLayout& l) { return l.name == name; });
+  if (layout == cell_layouts.end())
+    throw report::FileError(path.string(), "has cells of the unknown shape \"" + name + "\"");
+  return {layout->shape, file.read("mesh/position"), file.read_integers("mesh/cell")};
 }
 
 }  // namespace
@@ -31,7 +35,7 @@ ResultReader::ResultReader(const std::filesystem::path& results_folder, const st
     if (n_blocks_ > 0 && !std::filesystem::exists(path)) break;
     const Hdf5File file = Hdf5File::open_for_reading(path);
     if (n_blocks_ == 0) {
-      mesh_ = read_mesh(file);
+      mesh_ = read_mesh(file, path);
       field_names_ = split(file.read_text("field_names"));
     }
     const auto n_states = file.read_integers("n_states").at(0);

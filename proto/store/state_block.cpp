@@ -17,8 +17,8 @@ namespace {
 
 void write_mesh(Hdf5File& file, const ResultMesh& mesh) {
   file.write("mesh/position", mesh.node_position);
-  file.write("mesh/cell", mesh.cell_node, nodes_per_cell(mesh.shape));
-  file.write_text("mesh/shape", mesh.shape == CellShape::polyline ? "polyline" : "hexahedron20");
+  file.write("mesh/cell", mesh.cell_node, layout_of(mesh.shape).n_columns);
+  file.write_text("mesh/shape", layout_of(mesh.shape).name);
 }
 
 int open_for_writing(const std::filesystem::path& path) {

@@ -43,14 +43,28 @@ std::string data_item(const std::string& type, int bytes, const std::string& dim
          dimensions + "\" Format=\"HDF\">" + escaped(place) + "</DataItem>";
 }
 
+std::string topology_type(CellShape shape) {
+  switch (shape) {
+    case CellShape::polyline:
+      return "TopologyType=\"Polyline\" NodesPerElement=\"2\"";
+    case CellShape::hexahedron20:
+      return "TopologyType=\"Hexahedron_20\"";
+    case CellShape::hexahedron8:
+      return "TopologyType=\"Hexahedron\"";
+    case CellShape::tetrahedron10:
+      return "TopologyType=\"Tetrahedron_10\"";
+    case CellShape::mixed:
+      return "TopologyType=\"Mixed\"";
+  }
+  return "";
+}
+
 std::string topology(const XdmfMesh& mesh) {
-  const bool is_line = mesh.shape == CellShape::polyline;
-  const std::int64_t n_columns = nodes_per_cell(mesh.shape);
-  const std::string n_cells = std::to_string(mesh.n_cell_nodes / n_columns);
-  const std::string kind =
-      is_line ? "TopologyType=\"Polyline\" NodesPerElement=\"2\"" : "TopologyType=\"Hexahedron_20\"";
-  return "<Topology " + kind + " NumberOfElements=\"" + n_cells + "\">" +
-         data_item("Int", 8, n_cells + " " + std::to_string(n_columns), mesh.file + ":/mesh/cell") + "</Topology>\n";
+  const std::int64_t n_columns = layout_of(mesh.shape).n_columns;
+  return "<Topology " + topology_type(mesh.shape) + " NumberOfElements=\"" + std::to_string(mesh.n_cells) + "\">" +
+         data_item("Int", 8, std::to_string(mesh.n_cell_nodes / n_columns) + " " + std::to_string(n_columns),
+                   mesh.file + ":/mesh/cell") +
+         "</Topology>\n";
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct XdmfField {
 struct XdmfMesh {
   CellShape shape;
   std::int64_t n_nodes = 0;
+  std::int64_t n_cells = 0;
   std::int64_t n_cell_nodes = 0;  // entries of the array of cells
   std::string file;               // that holds mesh/position and mesh/cell, relative to the XDMF file
 };

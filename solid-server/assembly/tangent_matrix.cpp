@@ -5,6 +5,7 @@
 
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/deformation.hpp"
+#include "solid-server/element/mass.hpp"
 #include "solid-server/element/packed_tangent.hpp"
 
 namespace couplet::solid {
@@ -26,7 +27,8 @@ constexpr Index no_place = std::numeric_limits<Index>::min();  // of copies that
 
 }  // namespace
 
-TangentMatrix::TangentMatrix(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, WorkTeam& team)
+TangentMatrix::TangentMatrix(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, MassForm mass_form,
+                             WorkTeam& team)
     : team_(team), mesh_pairs_(element_pairs(mesh)), pairs_(mesh_pairs_) {
   blocks_.assign(9 * at(pairs_.n_pairs()), 0);
   mass_.assign(at(pairs_.n_pairs()), 0);
@@ -35,9 +37,10 @@ TangentMatrix::TangentMatrix(const SolidMesh& mesh, const std::vector<BlockPrope
     const BlockProperties& property = properties[b];
     blocks_of_elements_.push_back(
         {property.material, make_element_packs(mesh, mesh.block[b], property.n_points, property.formulation), {}});
-    add_mass(mesh, mesh.block[b], property.density);
+    if (mass_form == MassForm::consistent) add_consistent_mass(mesh, mesh.block[b], property.density);
     largest = std::max(largest, 9 * at(n_local_pairs(blocks_of_elements_.back().elements.n_nodes)));
   }
+  if (mass_form == MassForm::lumped) set_lumped_mass(mesh, properties);
   buffer_.resize(at(packs_at_once) * largest);
   find_places();
 }
@@ -62,7 +65,7 @@ void TangentMatrix::find_places() {
 }
 
 /// m_ab = sum over points of rho N_a N_b dV.
-void TangentMatrix::add_mass(const SolidMesh& mesh, const ElementBlock& elements, double density) {
+void TangentMatrix::add_consistent_mass(const SolidMesh& mesh, const ElementBlock& elements, double density) {
   const auto points = element_quadrature(elements.shape, n_mass_points(elements.shape));
   std::vector<ShapeValues<max_element_nodes>> shape;
   for (const QuadraturePoint& point : points) shape.push_back(shape_values(elements.shape, point.xi));
@@ -79,7 +82,15 @@ void TangentMatrix::add_mass(const SolidMesh& mesh, const ElementBlock& elements
   }
 }
 
-Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness, double mass) {
+void TangentMatrix::set_lumped_mass(const SolidMesh& mesh, const std::vector<BlockProperties>& properties) {
+  std::vector<double> density;
+  for (const BlockProperties& property : properties) density.push_back(property.density);
+  const Eigen::VectorXd mass = lumped_mass(mesh, density);
+  for (Index node = 0; node < mesh.n_nodes(); ++node) mass_[at(pairs_.start[at(node)])] = mass[node];
+}
+
+Index TangentMatrix::assemble(const NodeVectors& displacement, const NodeVectors* increment, double stiffness,
+                              double mass) {
   std::atomic<Index> inverted{-1};
   team_.run([&](int member) {
     const auto pairs = share_of(pairs_.n_pairs(), member, team_.n_members());
@@ -93,7 +104,8 @@ Index TangentMatrix::assemble(const NodeVectors& displacement, double stiffness,
         const Index last = std::min(first + packs_at_once, block.elements.n_packs);
         const auto packs = share_of(last - first, member, team_.n_members());
         const Index found = packed_tangent(block.elements, block.material, first + packs.first, first + packs.last,
-                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)]);
+                                           displacement.data(), &buffer_[at(packs.first) * at(values_per_pack)],
+                                           increment ? increment->data() : nullptr);
         Index known = inverted;
         while (found >= 0 && (known < 0 || found < known) && !inverted.compare_exchange_weak(known, found)) continue;
         team_.barrier();
@@ -134,6 +146,12 @@ bool TangentMatrix::add_symmetric_part(Index a, Index b, const Eigen::Matrix3d& 
   else
     block += 0.5 * C.transpose();
   return true;
+}
+
+bool TangentMatrix::is_zero(Index a, Index b) const {
+  const Index pair = pairs_.find(a, b);
+  const auto first = blocks_.begin() + 9 * static_cast<std::ptrdiff_t>(pair);
+  return pair < 0 || std::all_of(first, first + 9, [](double entry) { return entry == 0; });
 }
 
 void TangentMatrix::set_extra_pairs(const std::vector<std::pair<Index, Index>>& extra) {

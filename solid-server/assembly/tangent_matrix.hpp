@@ -12,23 +12,31 @@ namespace couplet::solid {
 
 class WorkTeam;
 
-/// A = stiffness * K(u) + mass * M on all components, held ones too, as 3 x 3 blocks of the lower triangle. M is the
-/// consistent mass, m_ab I for a pair of nodes. Elements are computed in small groups by all members of the team; then
+/// Consistent: from the shape functions. Lumped: diagonal (mass.hpp), as explicit time integration has it.
+enum class MassForm { consistent, lumped };
+
+/// A = stiffness * K(u) + mass * M on all components, held ones too, as 3 x 3 blocks of the lower triangle. M is
+/// m_ab I for a pair of nodes. Elements are computed in small groups by all members of the team; then
 /// each member adds the group to the pairs that are its own, elements rising: sums do not depend on the number of
 /// members.
 class TangentMatrix {
  public:
-  TangentMatrix(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, WorkTeam& team);
+  TangentMatrix(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, MassForm mass_form,
+                WorkTeam& team);
 
   const NodePairs& pairs() const { return pairs_; }
   const std::vector<double>& blocks() const { return blocks_; }  // (n_pairs, 3, 3)
   const std::vector<double>& mass() const { return mass_; }      // m_ab, (n_pairs) [kg]
 
-  /// Returns the first element turned inside out (J not above 0, or not a number), or -1.
-  Index assemble(const NodeVectors& displacement, double stiffness, double mass);
+  /// Returns the first element turned inside out (J not above 0, or not a number), or -1. `increment`: see
+  /// TangentSolver::assemble.
+  Index assemble(const NodeVectors& displacement, const NodeVectors* increment, double stiffness, double mass);
 
   /// A_ab += C / 2 and A_ba += C^T / 2. False, and nothing is done, when the pair is not in the pattern.
   bool add_symmetric_part(Index a, Index b, const Eigen::Matrix3d& C);
+
+  /// Whether a pair has no entry now; it may be in the pattern all the same.
+  bool is_zero(Index a, Index b) const;
 
   /// The pattern becomes that of the mesh and the extra pairs; the entries stay as they are.
   void set_extra_pairs(const std::vector<std::pair<Index, Index>>& extra);
@@ -45,7 +53,8 @@ class TangentMatrix {
     std::vector<Index> place;  // of each pair of local nodes among pairs, (n_packs, local pairs, lanes)
   };
   void find_places();
-  void add_mass(const SolidMesh& mesh, const ElementBlock& elements, double density);
+  void add_consistent_mass(const SolidMesh& mesh, const ElementBlock& elements, double density);
+  void set_lumped_mass(const SolidMesh& mesh, const std::vector<BlockProperties>& properties);
   void add_packs(const Block& block, Index first, Index last, const StoredPack* values, Index first_pair,
                  Index last_pair, double factor);
 

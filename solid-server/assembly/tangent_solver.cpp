@@ -5,7 +5,6 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/assembly/sparse_cholesky.hpp"
-#include "solid-server/assembly/tangent_matrix.hpp"
 
 namespace couplet::solid {
 
@@ -49,8 +48,8 @@ struct TangentSolver::Parts {
 };
 
 TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
-                             const FreeComponents& free, WorkTeam& team)
-    : parts_(new Parts{free, team, TangentMatrix(mesh, properties, team), nullptr, {}, {}, {}}) {
+                             const FreeComponents& free, WorkTeam& team, MassForm mass_form)
+    : parts_(new Parts{free, team, TangentMatrix(mesh, properties, mass_form, team), nullptr, {}, {}, {}}) {
   if (!free.any())
     throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
   parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free);
@@ -58,11 +57,11 @@ TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockPrope
 
 TangentSolver::~TangentSolver() = default;
 
-Index TangentSolver::assemble(const NodeVectors& displacement, TangentWeights weights) {
+Index TangentSolver::assemble(const NodeVectors& displacement, TangentWeights weights, const NodeVectors* increment) {
   const Stopwatch stopwatch(parts_->cost.assembly_seconds);
   ++parts_->cost.n_assemblies;
   parts_->outside.clear();
-  return parts_->matrix.assemble(displacement, weights.stiffness, weights.mass);
+  return parts_->matrix.assemble(displacement, increment, weights.stiffness, weights.mass);
 }
 
 void TangentSolver::add(Index node_a, Index node_b, const Eigen::Matrix3d& block) {
@@ -73,6 +72,7 @@ void TangentSolver::factorise() {
   const Stopwatch stopwatch(parts_->cost.factorisation_seconds);
   ++parts_->cost.n_factorisations;
   if (!parts_->outside.empty()) {
+    std::erase_if(parts_->extra, [&](const auto& pair) { return parts_->matrix.is_zero(pair.first, pair.second); });
     for (const auto& [a, b, block] : parts_->outside) parts_->extra.emplace_back(std::max(a, b), std::min(a, b));
     std::sort(parts_->extra.begin(), parts_->extra.end());
     parts_->extra.erase(std::unique(parts_->extra.begin(), parts_->extra.end()), parts_->extra.end());
@@ -106,6 +106,10 @@ NodeVectors TangentSolver::multiply(const NodeVectors& vector) const {
 
 NodeVectors TangentSolver::mass_times(const NodeVectors& vector) const {
   return parts_->on_free(parts_->matrix.mass_times(vector));
+}
+
+NodeVectors TangentSolver::mass_times_on_all(const NodeVectors& vector) const {
+  return parts_->matrix.mass_times(vector);
 }
 
 const FreeComponents& TangentSolver::free() const {

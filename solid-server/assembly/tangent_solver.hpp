@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "solid-server/assembly/block_properties.hpp"
+#include "solid-server/assembly/tangent_matrix.hpp"
 #include "solid-server/support/free_components.hpp"
 
 namespace couplet::solid {
-
-class WorkTeam;
 
 /// A = stiffness * K(u) + mass * M: (1, 0) is the static tangent, (1, -omega^2) the one shifted to a frequency.
 struct TangentWeights {
@@ -24,7 +23,7 @@ struct TangentCost {
 };
 
 /// K(u) = d2(strain energy)/du2 is minus the derivative of the internal force, with geometric stiffness; M is the
-/// consistent mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
+/// mass. Vectors are (n_nodes, 4), x, y, z, 0. Held components are 0 in every result; `solve` does not read
 /// them in its argument, while `multiply` and `mass_times` do: so a prescribed motion acts on the free components.
 ///
 /// The order of calls: assemble, any number of add, factorise, any number of solve. A solve uses the factors of the
@@ -37,19 +36,24 @@ class TangentSolver {
   /// The pattern of the matrix and the order of elimination are found here, once. Throws SceneError when no component
   /// is free, NumericsError when memory is not enough.
   TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, const FreeComponents& free,
-                WorkTeam& team);
+                WorkTeam& team, MassForm mass_form = MassForm::consistent);
   ~TangentSolver();
   TangentSolver(const TangentSolver&) = delete;
   TangentSolver& operator=(const TangentSolver&) = delete;
 
   /// Forgets the matrix and what was added. Returns the first element turned inside out (J not above 0, or not a
   /// number), or -1.
-  Index assemble(const NodeVectors& displacement, TangentWeights weights);
+  /// `increment` d, (n_nodes, 4) [m]: where u was reached from a state in one linear step, the geometric stiffness takes
+  /// the stress of the strain that is linear along the step, E(u) - (grad d)^T (grad d) / 2, instead of that of E(u):
+  /// the displacements of the Newton iteration in which the stresses are unknowns of their own, which needs far fewer
+  /// iterations where slender parts rotate [Magisano, Leonetti, Garcea 2017]. The change of stress is linear in the
+  /// change of strain, with the tangent of the law at F. Null: the tangent itself.
+  Index assemble(const NodeVectors& displacement, TangentWeights weights, const NodeVectors* increment = nullptr);
 
   /// Adds the symmetric part of a contribution C (follower load, contact): call it for every pair of nodes (a, b) whose
   /// block C_ab = - d f_a / d u_b, times the stiffness weight, is not zero, (a, b) and (b, a) separately;
-  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements; the pattern then grows by
-  /// itself.
+  /// A_ab += C_ab / 2 and A_ba += C_ab^T / 2. The nodes may lie in different elements: the next factorise
+  /// then finds a new pattern, without the pairs that have come apart since the last one.
   void add(Index node_a, Index node_b, const Eigen::Matrix3d& block);
 
   /// L L^T, or L D L^T when the matrix is not positive definite. Throws NumericsError when the matrix has an entry that
@@ -64,6 +68,7 @@ class TangentSolver {
 
   NodeVectors multiply(const NodeVectors& vector) const;    // A x
   NodeVectors mass_times(const NodeVectors& vector) const;  // M x
+  NodeVectors mass_times_on_all(const NodeVectors& vector) const;  // M x with its held components: inertia on supports
 
   const FreeComponents& free() const;
   Index n_free() const;  // components

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <numeric>
 
 #include "solid-server/element/quadrature.hpp"
 #include "solid-server/element/shape_functions.hpp"
@@ -49,6 +51,34 @@ void mark_open_edges(std::vector<ContactFace>& faces) {
   });
 }
 
+/// Patches are numbered by their lowest node.
+void number_patches(std::vector<ContactFace>& faces, std::size_t n_contact_nodes) {
+  std::vector<Index> patch(n_contact_nodes);
+  std::iota(patch.begin(), patch.end(), 0);
+  const auto nodes_of = [](const ContactFace& face) {
+    return std::span(face.node).first(static_cast<std::size_t>(n_nodes_of(face.shape)));
+  };
+  bool is_changed = true;
+  while (is_changed) {  // the lowest number spreads; paths are shortened, so that a few sweeps do
+    is_changed = false;
+    for (const ContactFace& face : faces) {
+      Index lowest = std::numeric_limits<Index>::max();
+      for (const Index n : nodes_of(face)) {
+        Index& own = patch[static_cast<std::size_t>(n)];
+        own = patch[static_cast<std::size_t>(own)];
+        lowest = std::min(lowest, own);
+      }
+      for (const Index n : nodes_of(face)) {
+        const Index before = patch[static_cast<std::size_t>(n)];
+        if (before == lowest) continue;
+        patch[static_cast<std::size_t>(before)] = patch[static_cast<std::size_t>(n)] = lowest;
+        is_changed = true;
+      }
+    }
+  }
+  for (ContactFace& face : faces) face.patch = patch[static_cast<std::size_t>(face.node[0])];
+}
+
 }  // namespace
 
 CurvedFace ContactFace::curved(const ContactPositions& x) const {
@@ -93,6 +123,7 @@ ContactRegion make_contact_region(const std::vector<FaceNodes>& faces, const std
   std::sort(region.node.begin(), region.node.end());
   region.node.erase(std::unique(region.node.begin(), region.node.end()), region.node.end());
   mark_open_edges(region.face);
+  number_patches(region.face, rest.size());
   return region;
 }
 

@@ -12,6 +12,7 @@ namespace couplet::solid {
 using ContactPositions = std::vector<NodeQuad>;  // (n contact nodes) [m]
 
 struct ContactFace {
+  Index patch = 0;  // faces that hang together, by shared nodes, are one patch of the region
   FaceShape shape = FaceShape::quadrilateral8;
   std::array<Index, max_face_nodes> node{};  // contact nodes; 0 where the shape has none
   std::array<bool, 4> is_open_edge{};        // the region ends there: no second face of it has this edge

@@ -113,7 +113,7 @@ bool ContactSearch::are_neighbours(const ContactRegion& points, const ContactPoi
   for (int a = 0; a < n_nodes_of(own.shape); ++a)
     for (int b = 0; b < n_nodes_of(other.shape); ++b)
       if (own.node[at(a)] == other.node[at(b)]) return true;
-  return reach_.neighbour_distance > 0 &&
+  return reach_.neighbour_distance > 0 && own.patch == other.patch &&
          closest_point(other.curved(rest_), points.position(point, rest_)).distance < reach_.neighbour_distance;
 }
 

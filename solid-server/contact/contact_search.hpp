@@ -8,7 +8,8 @@ namespace couplet::solid {
 struct SearchReach {
   double reach = 0;               // distance within which a face must be found [m]
   double skin = 0;                // further distance at which it is listed, so that the list lasts [m]
-  double neighbour_distance = 0;  // a face closer to the point than this at rest is its neighbour and never listed [m]
+  double neighbour_distance = 0;  // a face of the same patch that is closer to the point than this at rest is its
+                                  // neighbour and never listed [m]
 };
 
 /// A list of (point, face) that is kept until points and faces may have come closer by the skin than they were when it

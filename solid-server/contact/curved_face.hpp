@@ -80,7 +80,6 @@ class CurvedFace {
   Box box() const;
 
  private:
-
   FaceShape shape_;
   std::array<NodeQuad, max_face_nodes> node_;
   std::array<NodeQuad, 8> c_;

@@ -30,7 +30,7 @@ std::vector<Index> nodes_of_pairs(const SolidMesh& mesh, const std::vector<Conta
   std::vector<ElementFace> faces;
   for (std::size_t n = 0; n < pairs.size(); ++n) {
     const std::string where = "solid.contact[" + std::to_string(n) + "].";
-    for (const auto& [name, field] : {std::pair(&pairs[n].first, "first"), std::pair(&pairs[n].second, "second")}) {
+    for (const auto& [name, field] : {std::pair(&pairs[n].first, "first"), std::pair(&pairs[n].other(), "second")}) {
       const auto& surface = mesh.find_surface(*name, where + field);
       if (surface.empty())
         throw report::SceneError(where + field, "the surface \"" + *name + "\" has no faces", "name another surface");
@@ -81,7 +81,7 @@ SurfaceContact::SurfaceContact(const SolidMesh& mesh, std::vector<ContactPair> p
     const std::string where = "solid.contact[" + std::to_string(n) + "].";
     check(pair, where);
     const std::size_t first = region_of(mesh, pair.first, where + "first");
-    const std::size_t second = region_of(mesh, pair.second, where + "second");
+    const std::size_t second = region_of(mesh, pair.other(), where + "second");
     add_side(first, second, pair);
     if (pair.is_symmetric && first != second) add_side(second, first, pair);
   }
@@ -122,6 +122,7 @@ void SurfaceContact::add_side(std::size_t points, std::size_t faces, const Conta
             is_half ? pair.stiffness / 2 : pair.stiffness,
             pair.distance,
             pair.largest_depth,
+            pair.cancels_interface_load,
             ContactSearch(other, rest_, reach),
             {},
             {}};
@@ -252,8 +253,9 @@ void SurfaceContact::write(int member, int n_members, double* force) {
 
   for_each_touch([&, first = first, last = last](const Side& side, const ContactPoint& point, const Touch& touch) {
     const NodeQuad push = (side.stiffness * point.area * touch.gap) * touch.direction;
-    const double cancelled =
-        side.distance > 0 ? smooth_step(touch.gap / (cancelling_range * side.distance)) * point.area : 0;
+    const double cancelled = side.cancels_interface_load && side.distance > 0
+                                 ? smooth_step(touch.gap / (cancelling_range * side.distance)) * point.area
+                                 : 0;
     scatter(side, point, touch, [&, first = first, last = last](Index node, double weight, bool is_own) {
       if (node < first || node >= last) return;
       const NodeQuad sum = load_quad(force + width * node) + weight * push;

@@ -7,15 +7,18 @@
 
 namespace couplet::solid {
 
-/// Two named surfaces that keep apart. The same name twice: self-contact.
+/// Two named surfaces that keep apart.
 struct ContactPair {
-  std::string first, second;
-  double stiffness = 0;      // k: pressure per depth inside the contact distance [Pa/m]
-  double distance = 0;       // d0: surfaces closer than this push each other away [m]
+  std::string first, second;  // second empty: the first with itself
+  double stiffness = 0;       // k: pressure per depth inside the contact distance [Pa/m]
+  double distance = 0;        // d0: surfaces closer than this push each other away [m]
   double largest_depth = 0;  // a point deeper behind a face than this has nothing to do with it: below the thickness of
                              // a thin sheet [m]
+  bool cancels_interface_load = true;
   bool is_symmetric = true;  // points of both surfaces against faces of the other, each with half the stiffness;
                              // otherwise points of the first against faces of the second
+
+  const std::string& other() const { return second.empty() ? first : second; }
 };
 
 /// Share of the interface load that is cancelled: it grows smoothly from 0 at d = d0 to 1 at d = d0 (1 - this).
@@ -33,8 +36,12 @@ constexpr double cancelling_range = 0.1;
 /// d0. The distance is continuous while a point slides from face to face and past the border, as long as it is in front
 /// of the surface (d > 0); a point that has come behind the surface (d < 0; only if k is too small or d0 is 0) is let
 /// go when it slides past the border or is deeper than `largest_depth`. A point that is closer than d0 at rest takes
-/// its distance at rest for d0, so that the bodies at rest feel nothing. In self-contact, faces closer to a point than
-/// 2 d0 at rest, and those that share a node with its face, are its neighbours and do not count.
+/// its distance at rest for d0, so that the bodies at rest feel nothing. In self-contact, faces of the same patch
+/// (faces that hang together) closer to a point than 2 d0 at rest, and those that share a node with its face, are its
+/// neighbours and do not count.
+///
+/// Where a point crosses an edge between faces that are not flush, energy is continuous and the direction of the force
+/// is not.
 ///
 /// There is no history: everything is a function of the displacements now, whatever came before and whenever the last
 /// search was.
@@ -73,9 +80,10 @@ class SurfaceContact {
   /// All forces, by one thread: added to `force`, a NodeVectors array of the mesh [N]. Returns the energy [J].
   double add(const double* displacement, double* force);
 
-  /// One touching point: its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction on node a [N/m].
-  /// Left out are the change of the direction and the sliding of p, of size k A g / (size of a face), which are not
-  /// positive. What is here is positive semidefinite.
+  /// One touching point; Newton's method should search along its line, since the direction of a force jumps where a
+  /// point crosses an edge between two faces. Its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction
+  /// on node a [N/m]. Left out are the change of the direction and the sliding of p, of size k A g / (size of a face),
+  /// which are not positive. What is here is positive semidefinite.
   struct StiffnessTerm {
     int n_nodes = 0;
     std::array<Index, 2 * max_face_nodes> node;     // of the mesh
@@ -108,6 +116,7 @@ class SurfaceContact {
     std::size_t points, faces;  // regions
     double stiffness;           // [Pa/m]
     double distance, largest_depth;
+    bool cancels_interface_load;
     ContactSearch search;
     std::vector<double> threshold;  // d0 of each point [m]
     std::vector<Touch> touch;       // of each active point

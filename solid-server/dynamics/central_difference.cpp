@@ -20,22 +20,30 @@ constexpr Eigen::Index width = NodeVectors::ColsAtCompileTime;
 
 }  // namespace
 
-CentralDifference::CentralDifference(NodalForce& force, NodeVectors inverse_mass, Damping damping,
+CentralDifference::CentralDifference(const SolidMesh& mesh, NodalForce& force, Eigen::VectorXd mass,
+                                     NodeVectors inverse_mass, HeldMotion held, Damping damping,
                                      std::vector<KickVelocity> kicks, WorkTeam& team)
-    : force_(force),
+    : mesh_(mesh),
+      force_(force),
+      mass_(std::move(mass)),
       inverse_mass_(std::move(inverse_mass)),
+      held_(std::move(held)),
       damping_(damping),
       kicks_(std::move(kicks)),
       team_(team),
       is_strain_damped_(damping.stiffness_factor > 0) {
   if (is_strain_damped_) strained_ = NodeVectors::Zero(inverse_mass_.rows(), 4);
-  std::stable_sort(kicks_.begin(), kicks_.end(),
-                   [](const KickVelocity& a, const KickVelocity& b) { return a.time < b.time; });
+  sort_kicks(kicks_);
   for (KickVelocity& kick : kicks_) kick.velocity.array() *= (inverse_mass_.array() > 0).cast<double>();
 }
 
-void CentralDifference::advance(const Motion& from, double duration, int n_substeps,
-                                const surface::NodeArray& interface_force, Motion& to) {
+int CentralDifference::n_substeps(double duration) const {
+  return n_equal_steps(duration, largest_substep_);
+}
+
+StepWork CentralDifference::advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
+                                    Motion& to) {
+  const int n_substeps = this->n_substeps(duration);
   plan(from, duration, n_substeps, to);
   force_.forget_inverted();
   force_.external().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
@@ -45,16 +53,66 @@ void CentralDifference::advance(const Motion& from, double duration, int n_subst
 
   team_.run([&](int member) {
     start(from, first_force, share_of(static_cast<int>(inverse_mass_.rows()), member, team_.n_members()), to);
-    for (int k = 0; k < n_substeps; ++k)
+    if (!held_.is_empty()) {
+      team_.barrier();
+      if (member == 0) hold(0, to);
+    }
+    for (int k = 0; k < n_substeps; ++k) {
       if (!substep(member, k, to)) return;  // for all members at once
+      if (held_.is_empty()) continue;
+      team_.barrier();
+      if (member == 0) hold(k + 1, to);
+    }
   });
+  if (const Index element = force_.inverted_element(); element >= 0)
+    throw report::NumericsError("solid, t = " + std::to_string(from.time) + " to " +
+                                    std::to_string(from.time + duration) + " s",
+                                mesh_.describe_element(element) + " at rest is turned inside out",
+                                "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
+                                "resists strong compression better than saint_venant_kirchhoff");
   to.time = from.time + duration;
   to.interface_force = interface_force;
   to.has_interface_force = true;
+  StepWork work;
+  work.n_substeps = n_substeps;
+  return work;
+}
+
+/// Prescribed nodes after k substeps: the place at the end of the next one, with the velocity that leads there; after the
+/// last substep the velocity at its end.
+void CentralDifference::hold(int k, Motion& to) {
+  const bool is_end = k == static_cast<int>(substeps_.size());
+  const double next = start_time_ + (is_end ? k : k + 1) * h_;
+  held_.hold(next, to.displacement);
+  held_.hold_velocity(is_end ? next : next - h_ / 2, h_, to.velocity);
+  if (is_end) return;
+  for (const auto& [node, axis] : held_.components())
+    note_strained(node, quad(to.displacement.data(), node), quad(to.velocity.data(), node));
+}
+
+double CentralDifference::kinetic_energy(const Motion& motion) const {
+  double sum = 0;
+  for (Eigen::Index n = 0; n < mass_.size(); ++n) sum += mass_[n] * motion.velocity.row(n).squaredNorm();
+  return sum / 2;
+}
+
+NodeVectors CentralDifference::support_force(const Motion& motion) const {
+  NodeVectors force = -motion.force;
+  for (std::size_t n = 0; n < held_.components().size(); ++n) {
+    const auto& [node, axis] = held_.components()[n];
+    force(node, axis) += mass_[node] * (held_.acceleration(n, motion.time, largest_substep_) +
+                                        damping_.at(motion.time) * held_.velocity(n, motion.time, largest_substep_));
+  }
+  return (inverse_mass_.array() > 0).select(0, force);
+}
+
+std::size_t CentralDifference::memory_bytes() const {
+  return static_cast<std::size_t>(inverse_mass_.size() + strained_.size()) * sizeof(double);
 }
 
 /// Damping factors and kicks of the substeps.
 void CentralDifference::plan(const Motion& from, double duration, int n_substeps, Motion& to) {
+  start_time_ = from.time;
   h_ = duration / n_substeps;
   substeps_.resize(static_cast<std::size_t>(n_substeps));
   to.n_kicks_done = from.n_kicks_done;
@@ -127,6 +185,12 @@ inline void CentralDifference::note_strained(Eigen::Index node, const NodeQuad& 
 template <class Visit>
 bool CentralDifference::visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit) {
   team_.barrier();
+  if (force_.has_surface_contact()) {
+    if (member == 0) force_.search_contact(displacement);
+    team_.barrier();
+    force_.find_gaps(member);
+    team_.barrier();
+  }
   force_.write_external_parts(member, displacement, moment);
   team_.barrier();
   force_.sweep(member, strained_at(displacement), moment, visit);

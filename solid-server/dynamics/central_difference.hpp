@@ -2,8 +2,7 @@
 // The central difference method, written so that displacement, velocity and force belong to the same time.
 
 #include "solid-server/dynamics/motion.hpp"
-#include "solid-server/dynamics/nodal_force.hpp"
-#include "solid-server/dynamics/work_team.hpp"
+#include "solid-server/dynamics/time_integrator.hpp"
 
 namespace couplet::solid {
 
@@ -14,16 +13,23 @@ namespace couplet::solid {
 /// u + beta v with the v of the half step: no second evaluation, for the price of a smaller stable step [Belytschko,
 /// Liu, Moran 2000, ch. 6]; the strain energy that is reported is that at u + beta v too. The interface load
 /// varies linearly in time from the accepted to the given force. A kick is added at the start of the substep that
-/// begins nearest to its time.
-class CentralDifference {
+/// begins nearest to its time. Prescribed nodes follow their displacements exactly at every substep.
+class CentralDifference : public TimeIntegrator {
  public:
-  CentralDifference(NodalForce& force, NodeVectors inverse_mass, Damping damping, std::vector<KickVelocity> kicks,
-                    WorkTeam& team);
+  /// `mass`: (n_nodes) [kg].
+  CentralDifference(const SolidMesh& mesh, NodalForce& force, Eigen::VectorXd mass, NodeVectors inverse_mass,
+                    HeldMotion held, Damping damping, std::vector<KickVelocity> kicks, WorkTeam& team);
 
-  /// From one motion to another in equal substeps. Allocates nothing in the substeps. Throws NumericsError naming
-  /// element and time when an element is turned inside out.
-  void advance(const Motion& from, double duration, int n_substeps, const surface::NodeArray& interface_force,
-               Motion& to);
+  /// No substep is longer from now on [s].
+  void limit_substep(double largest) { largest_substep_ = largest; }
+  int n_substeps(double duration) const;  // that a step takes now
+
+  /// In equal substeps. Allocates nothing in them. Throws NumericsError naming element and time when an element is turned
+  /// inside out.
+  StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
+  double kinetic_energy(const Motion& motion) const override;
+  NodeVectors support_force(const Motion& motion) const override;
+  std::size_t memory_bytes() const override;
 
  private:
   struct Substep {
@@ -43,12 +49,18 @@ class CentralDifference {
   }
   void note_strained(Eigen::Index node, const NodeQuad& displacement, const NodeQuad& velocity);
 
+  void hold(int k, Motion& to);
+
+  const SolidMesh& mesh_;
   NodalForce& force_;
+  Eigen::VectorXd mass_;     // (n_nodes) [kg]
   NodeVectors inverse_mass_;  // (n_nodes, 4), 0 where a support holds [1/kg]
+  HeldMotion held_;
   Damping damping_;
   std::vector<KickVelocity> kicks_;  // rising in time
   WorkTeam& team_;
-  double h_ = 0;  // substep [s]
+  double largest_substep_ = 0;  // [s]
+  double start_time_ = 0, h_ = 0;  // of the step, substep [s]
   std::vector<Substep> substeps_;
   bool is_strain_damped_;
   NodeVectors strained_;  // u + beta v (n_nodes, 4) [m]; empty without damping by stiffness

@@ -1,5 +1,8 @@
 #include "solid-server/dynamics/external_force.hpp"
 
+#include <algorithm>
+
+#include "proto/report/failure.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 
 namespace couplet::solid {
@@ -15,10 +18,8 @@ std::vector<FaceNodes> faces_of(const SolidMesh& mesh, const std::string& surfac
 }  // namespace
 
 ExternalForce::ExternalForce(const SolidMesh& mesh, const WettedSurface& wetted, PrescribedLoads loads,
-                             const std::vector<RigidPlane>& planes)
-    : n_nodes_(mesh.n_nodes()),
-      contact_(mesh, planes.empty() ? std::vector<FaceNodes>{} : wetted.face, planes),
-      wetted_node_(wetted.solid_node) {
+                             const std::vector<RigidPlane>& planes, std::vector<ContactPair> pairs)
+    : n_nodes_(mesh.n_nodes()), surface_contact_(mesh, std::move(pairs)), wetted_node_(wetted.solid_node) {
   for (std::size_t l = 0; l < loads.pressures.size(); ++l) {
     const std::string where = "solid.pressure[" + std::to_string(l) + "].surface";
     for (const auto& faces : group_by_shape(faces_of(mesh, loads.pressures[l].surface, where))) {
@@ -26,15 +27,41 @@ ExternalForce::ExternalForce(const SolidMesh& mesh, const WettedSurface& wetted,
       add_face_parts(pressures_.back().faces, faces);
     }
   }
-  contact_first_pack_ = n_packs_;
-  was_touching_.assign(static_cast<std::size_t>(contact_.n_packs()), 0);
-  if (!contact_.is_empty()) add_face_parts(contact_.faces(), wetted.face);
+  add_planes(mesh, wetted, planes);
+  surface_contact_first_pack_ = add_node_parts(surface_contact_.node());
+  for (const Index node : surface_contact_.node()) {
+    const auto found = std::lower_bound(wetted_node_.begin(), wetted_node_.end(), node);
+    const bool is_wetted = found != wetted_node_.end() && *found == node;
+    wetted_number_.push_back(is_wetted ? static_cast<Index>(found - wetted_node_.begin()) : -1);
+  }
   for (DeadLoad& load : loads.dead) {
     const std::size_t first_pack = add_node_parts(load.node);
     dead_.push_back({std::move(load), first_pack});
   }
   interface_first_pack_ = add_node_parts(wetted_node_);
   interface_start_ = interface_change_ = NodeVectors::Zero(static_cast<Eigen::Index>(wetted_node_.size()), 4);
+}
+
+void ExternalForce::add_planes(const SolidMesh& mesh, const WettedSurface& wetted,
+                               const std::vector<RigidPlane>& planes) {
+  for (std::size_t n = 0; n < planes.size(); ++n) {
+    const std::string where = "solid.rigid_plane[" + std::to_string(n) + "]";
+    if (!(planes[n].normal.norm() > 0))
+      throw report::SceneError(where + ".plane.normal", "the normal has no direction",
+                               "give a vector towards the side where bodies are");
+    std::vector<FaceNodes> touching = planes[n].surfaces.empty() ? wetted.face : std::vector<FaceNodes>{};
+    for (const std::string& surface : planes[n].surfaces)
+      for (const FaceNodes& face : faces_of(mesh, surface, where + ".surface")) touching.push_back(face);
+    if (touching.empty())
+      throw report::SceneError(where, "no surface is wetted, so nothing can touch the plane",
+                               "name the surfaces that may touch it in " + where + ".surface");
+    for (const auto& faces : group_by_shape(touching)) {
+      planes_.emplace_back(mesh, faces, planes[n]);
+      plane_first_pack_.push_back(n_packs_);
+      was_touching_.emplace_back(static_cast<std::size_t>(planes_.back().n_packs()), 0);
+      add_face_parts(planes_.back().faces(), faces);
+    }
+  }
 }
 
 /// Makes room for forces on faces at the end of the buffer.
@@ -73,9 +100,9 @@ void ExternalForce::write(int member, int n_members, const double* displacement,
     const auto [first, last] = share_of(surface.faces.n_packs, member, n_members);
     pressure_force(surface.faces, first, last, surface.pressure(time), displacement, buffer + surface.first_pack);
   }
-  if (!contact_.is_empty()) {
-    const auto [first, last] = share_of(contact_.n_packs(), member, n_members);
-    contact_.force(first, last, displacement, buffer + contact_first_pack_, was_touching_.data());
+  for (std::size_t n = 0; n < planes_.size(); ++n) {
+    const auto [first, last] = share_of(planes_[n].n_packs(), member, n_members);
+    planes_[n].force(first, last, displacement, buffer + plane_first_pack_[n], was_touching_[n].data());
   }
   for (const PlacedLoad& placed : dead_) {
     const auto [first, last] = share_of(static_cast<int>(placed.load.node.size()), member, n_members);
@@ -84,11 +111,61 @@ void ExternalForce::write(int member, int n_members, const double* displacement,
     for (int n = first; n < last; ++n)
       for (int i = 0; i < 3; ++i) part[4 * n + i] = placed.load.weight[static_cast<std::size_t>(n)] * value[i];
   }
+  write_interface_load(member, n_members, fraction, buffer);
+}
+
+/// Contact takes back what it cancels in its own places, since the members share the nodes there in another way.
+void ExternalForce::write_interface_load(int member, int n_members, double fraction, StoredPack* buffer) {
+  if (!surface_contact_.is_empty()) {
+    double* const part = &buffer[surface_contact_first_pack_].lane[0];
+    surface_contact_.write(member, n_members, part);
+    const auto [first, last] = share_of(surface_contact_.n_nodes(), member, n_members);
+    for (Index n = first; n < last; ++n) {
+      const Index wetted = wetted_number_[static_cast<std::size_t>(n)];
+      const double factor = surface_contact_.interface_load_factor(n);
+      if (wetted < 0 || factor == 1) continue;
+      for (int i = 0; i < 3; ++i)
+        part[4 * n + i] += (factor - 1) * (interface_start_(wetted, i) + fraction * interface_change_(wetted, i));
+    }
+  }
   if (!wetted_node_.empty()) {
     const auto [first, last] = share_of(static_cast<int>(wetted_node_.size()), member, n_members);
     Eigen::Map<NodeVectors> part(&buffer[interface_first_pack_].lane[0], interface_start_.rows(), 4);
     part.middleRows(first, last - first) =
         interface_start_.middleRows(first, last - first) + fraction * interface_change_.middleRows(first, last - first);
+  }
+}
+
+ExternalForce::ContactTotal ExternalForce::contact_total(const double* displacement) {
+  ContactTotal sum;
+  for (const PlaneContact& plane : planes_) {
+    const PlaneContact::Total total = plane.total(displacement);
+    sum.energy += total.energy;
+    sum.force += total.force;
+  }
+  if (surface_contact_.is_empty()) return sum;
+  const SurfaceContact::Total total = surface_contact_.total(displacement);
+  return {sum.energy + total.energy, sum.force + total.force};
+}
+
+Eigen::VectorXd ExternalForce::contact_stiffness_bound() const {
+  Eigen::VectorXd bound = surface_contact_.stiffness_bound(n_nodes_);
+  for (const PlaneContact& plane : planes_) bound += plane.stiffness_bound(n_nodes_);
+  return bound;
+}
+
+void ExternalForce::add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take) {
+  for (const PressedSurface& surface : pressures_)
+    pressure_stiffness(surface.faces, surface.pressure(time), displacement, take);
+  for (const PlaneContact& plane : planes_) {
+    const Eigen::Matrix3d along_normal = plane.normal() * plane.normal().transpose();
+    plane.stiffness(displacement.data(), [&](Index a, Index b, double s) { take(a, b, s * along_normal); });
+  }
+  for (const SurfaceContact::StiffnessTerm& term : surface_contact_.stiffness(displacement.data())) {
+    const Eigen::Matrix3d along_direction = term.stiffness * term.direction * term.direction.transpose();
+    for (std::size_t a = 0; a < static_cast<std::size_t>(term.n_nodes); ++a)
+      for (std::size_t b = 0; b < static_cast<std::size_t>(term.n_nodes); ++b)
+        take(term.node[a], term.node[b], term.weight[a] * term.weight[b] * along_direction);
   }
 }
 

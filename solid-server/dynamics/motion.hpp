@@ -2,13 +2,25 @@
 // The state of a body in motion, and what changes it besides forces.
 
 #include <algorithm>
+#include <memory>
 
 #include "proto/surface/surface_mesh.hpp"
 #include "solid-server/element/element_packs.hpp"
 
 namespace couplet::solid {
 
-/// Displacement, velocity and force at the same time: the complete state of the central difference method.
+struct FactorOrigin;
+
+/// The factors of a tangent with which the next implicit step begins, as what they were made from.
+struct KeptFactors {
+  /// Null: none. Shared, since it never changes, by the accepted state, the trial state and the solver: no copy a step.
+  std::shared_ptr<const FactorOrigin> origin;
+  int n_steps = 0, n_iterations = 0;  // that they have served
+  bool are_worn = false;              // new ones cost less than going on with them
+};
+
+/// Displacement, velocity and force at the same time: the complete state of the central difference method; with the
+/// acceleration that of implicit ones.
 struct Motion {
   double time = 0;                     // [s]
   NodeVectors displacement, velocity;  // (n_nodes, 4) [m] [m/s]
@@ -16,6 +28,9 @@ struct Motion {
   surface::NodeArray interface_force;  // (n wetted nodes, 3) [N]
   bool has_interface_force = false;    // false before the first step: its load is then taken as constant
   int n_kicks_done = 0;
+  NodeVectors acceleration;  // of implicit steps (n_nodes, 4) [m/s^2]; without rows: not known yet, or explicit
+  int n_halvings = 0;        // of the substep, after iterations that failed
+  KeptFactors factors;       // of implicit and static steps
 };
 
 /// Force per mass and velocity [1/s]: that of the body, and more of it until the body has settled. And force per
@@ -33,5 +48,11 @@ struct KickVelocity {
   double time = 0;       // [s]
   NodeVectors velocity;  // (n_nodes, 4) [m/s], zero where a support holds the node
 };
+
+/// Rising in time.
+inline void sort_kicks(std::vector<KickVelocity>& kicks) {
+  std::stable_sort(kicks.begin(), kicks.end(),
+                   [](const KickVelocity& a, const KickVelocity& b) { return a.time < b.time; });
+}
 
 }  // namespace couplet::solid

@@ -59,6 +59,8 @@ NodeVectors NodalForce::internal_only(const NodeVectors& displacement) {
 }
 
 NodeVectors NodalForce::all(const NodeVectors& displacement, const Moment& moment) {
+  if (has_surface_contact()) search_contact(displacement.data());
+  for (int member = 0; member < n_members_; ++member) find_gaps(member);
   for (int member = 0; member < n_members_; ++member) write_external_parts(member, displacement.data(), moment);
   return collect(displacement, moment);
 }

@@ -27,6 +27,11 @@ class NodalForce {
   NodalForce(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, ExternalForce external,
              int n_members);
 
+  /// Before that, where surfaces may touch: looked for by one member, then measured by all, with a barrier after each.
+  bool has_surface_contact() const { return external_.has_surface_contact(); }
+  void search_contact(const double* displacement) { external_.search_contact(displacement); }
+  void find_gaps(int member) { external_.find_gaps(member, n_members_); }
+
   void write_external_parts(int member, const double* displacement, const Moment& moment) {
     external_.write(member, n_members_, displacement, moment.time, moment.fraction, external_buffer());
   }
@@ -60,7 +65,6 @@ class NodalForce {
   double strain_energy() const;                                // at the last moment with energy [J]
   double element_seconds() const { return element_seconds_; }  // that the first member has spent in internal_force [s]
   ExternalForce& external() { return external_; }
-  const PlaneContact& contact() const { return external_.contact(); }
   std::size_t memory_bytes() const;
 
  private:

@@ -26,4 +26,22 @@ Eigen::VectorXd lumped_mass(const SolidMesh& mesh, const std::vector<double>& de
   return mass;
 }
 
+Eigen::VectorXd row_sums_of_mass(const SolidMesh& mesh, const std::vector<double>& density) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(mesh.n_nodes());
+  for (std::size_t b = 0; b < mesh.block.size(); ++b) {
+    const ElementBlock& block = mesh.block[b];
+    const auto points = element_quadrature(block.shape, n_mass_points(block.shape));
+    for (Index element = 0; element < block.n_elements(); ++element) {
+      const auto nodes = block.nodes_of(element);
+      const ElementVectors position = at_element(mesh.node_position, nodes);
+      for (const QuadraturePoint& point : points) {
+        const auto shape = shape_values(block.shape, point.xi);
+        const double mass_at_point = density[b] * reference_point(block.shape, position, point).volume;
+        for (std::size_t a = 0; a < nodes.size(); ++a) sums[nodes[a]] += mass_at_point * shape[static_cast<Eigen::Index>(a)];
+      }
+    }
+  }
+  return sums;
+}
+
 }  // namespace couplet::solid

@@ -10,4 +10,7 @@ namespace couplet::solid {
 /// midside node. `density` of each block at rest [kg/m^3]; (n_nodes) [kg].
 Eigen::VectorXd lumped_mass(const SolidMesh& mesh, const std::vector<double>& density);
 
+/// The row sums of the consistent mass, integral of rho N_a: what a uniform acceleration acts on. Not always positive.
+Eigen::VectorXd row_sums_of_mass(const SolidMesh& mesh, const std::vector<double>& density);
+
 }  // namespace couplet::solid

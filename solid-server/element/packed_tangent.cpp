@@ -20,6 +20,38 @@ struct PointGroup {
   PackMask is_sound = Pack{} == 0.0;
 };
 
+/// d2W/dF2 + I (x) dS: the change of the second Piola-Kirchhoff stress, dS = (d2W/dE2) dE, with the strain
+/// dE = - (grad d)^T (grad d) / 2. It is found along dF = F^-T dE, which has this dE: dP = dF S + F dS.
+template <class Law>
+void add_stress_change(const Law& law, const LocalAxes<Pack>& axes, const Tensor<Pack>& F,
+                       const Tensor<Pack>& increment_gradient, BasicTangent<Pack>& tangent) {
+  const Tensor<Pack> cof = cofactor(F), P = stress_of(law, F, axes);
+  const Pack inverse_J = 1.0 / determinant(F, cof);
+  Tensor<Pack> dE{}, dF{}, rest{};
+  for (int I = 0; I < 3; ++I)
+    for (int J = 0; J < 3; ++J)
+      for (int i = 0; i < 3; ++i) dE.at[I][J] -= 0.5 * increment_gradient.at[i][I] * increment_gradient.at[i][J];
+  for (int i = 0; i < 3; ++i)
+    for (int J = 0; J < 3; ++J)
+      for (int I = 0; I < 3; ++I) dF.at[i][J] += inverse_J * cof.at[i][I] * dE.at[I][J];
+  Tensor<Pack> S{};
+  for (int I = 0; I < 3; ++I)
+    for (int J = 0; J < 3; ++J)
+      for (int i = 0; i < 3; ++i) S.at[I][J] += inverse_J * cof.at[i][I] * P.at[i][J];
+  for (int i = 0; i < 3; ++i)  // F dS = dP - dF S
+    for (int J = 0; J < 3; ++J) {
+      for (int k = 0; k < 3; ++k)
+        for (int L = 0; L < 3; ++L) rest.at[i][J] += tangent.at[3 * i + J][3 * k + L] * dF.at[k][L];
+      for (int I = 0; I < 3; ++I) rest.at[i][J] -= dF.at[i][I] * S.at[I][J];
+    }
+  for (int J = 0; J < 3; ++J)
+    for (int L = 0; L < 3; ++L) {
+      Pack dS{};
+      for (int i = 0; i < 3; ++i) dS += inverse_J * cof.at[i][J] * rest.at[i][L];
+      for (int i = 0; i < 3; ++i) tangent.at[3 * i + J][3 * i + L] += dS;
+    }
+}
+
 /// The standard formulation: F from the displacements at the point.
 template <int n_element_nodes>
 struct StandardPoints {
@@ -27,7 +59,7 @@ struct StandardPoints {
 
   template <class Law>
   static void fill(const ElementPacks& packs, const Law& law, const LocalAxes<Pack>& axes, const StoredPack* geometry,
-                   const Pack (&u)[n_nodes][3], int first, PointGroup<n_nodes>& group) {
+                   const Pack (&u)[n_nodes][3], const Pack (*d)[3], int first, PointGroup<n_nodes>& group) {
     group.n_points = std::min(points_at_once, packs.n_points - first);
     for (int q = 0; q < group.n_points; ++q) {
       const double* natural = &packs.natural_gradient[static_cast<std::size_t>(3 * n_nodes * (first + q))];
@@ -35,17 +67,20 @@ struct StandardPoints {
       Pack G[3][3];
       for (int k = 0; k < 3; ++k)
         for (int J = 0; J < 3; ++J) G[k][J] = load(stored[3 * k + J]);
-      Tensor<Pack> F{};
+      Tensor<Pack> F{}, increment_gradient{};
       for (int i = 0; i < 3; ++i) F.at[i][i] += 1.0;
       for (int a = 0; a < n_nodes; ++a)
         for (int J = 0; J < 3; ++J) {
           const Pack slope = natural[3 * a] * G[0][J] + natural[3 * a + 1] * G[1][J] + natural[3 * a + 2] * G[2][J];
           group.gradient[q][a][J] = slope;
           for (int i = 0; i < 3; ++i) F.at[i][J] += u[a][i] * slope;
+          if (d)
+            for (int i = 0; i < 3; ++i) increment_gradient.at[i][J] += d[a][i] * slope;
         }
       group.is_sound &= determinant(F, cofactor(F)) > 0.0;
       const Pack volume = load(stored[9]);
       group.tangent[q] = tangent_of(law, F, axes);
+      if (d) add_stress_change(law, axes, F, increment_gradient, group.tangent[q]);
       for (auto& row : group.tangent[q].at)
         for (Pack& entry : row) entry *= volume;
     }
@@ -93,19 +128,21 @@ LocalAxes<Pack> load_axes(const ElementPacks& packs, Index p) {
 
 template <class Points, class Law>
 Index tangent_of_packs(const ElementPacks& packs, const Law& law, Index first, Index last, const double* displacement,
-                       StoredPack* blocks) {
+                       const double* increment, StoredPack* blocks) {
   constexpr int n_nodes = Points::n_nodes;
   Index first_unsound = -1;
   for (Index p = first; p < last; ++p, blocks += 9 * n_local_pairs(n_nodes)) {
-    Pack u[n_nodes][3];
+    Pack u[n_nodes][3], d[n_nodes][3];
     const Index* start = &packs.node_start[static_cast<std::size_t>(p) * n_nodes * n_lanes];
     for (int a = 0; a < n_nodes; ++a) load_nodes(displacement, start + a * n_lanes, u[a][0], u[a][1], u[a][2]);
+    if (increment)
+      for (int a = 0; a < n_nodes; ++a) load_nodes(increment, start + a * n_lanes, d[a][0], d[a][1], d[a][2]);
     const StoredPack* geometry =
         &packs.geometry[static_cast<std::size_t>(packs.geometry_start[static_cast<std::size_t>(p)])];
     const LocalAxes<Pack> axes = load_axes<Law>(packs, p);
     PointGroup<n_nodes> group;
     for (int point = 0; point < packs.n_points; point += points_at_once) {
-      Points::fill(packs, law, axes, geometry, u, point, group);
+      Points::fill(packs, law, axes, geometry, u, increment ? d : nullptr, point, group);
       sum_points(group, point == 0, blocks);
     }
     if (first_unsound < 0 && !all_true(group.is_sound)) [[unlikely]] {
@@ -120,11 +157,11 @@ Index tangent_of_packs(const ElementPacks& packs, const Law& law, Index first, I
 }  // namespace
 
 Index packed_tangent(const ElementPacks& packs, const Material& material, Index first, Index last,
-                     const double* displacement, StoredPack* blocks) {
+                     const double* displacement, StoredPack* blocks, const double* increment) {
   return std::visit(
       [&](const auto& law) {
         const auto run = [&]<class Points>(Points) {
-          return tangent_of_packs<Points>(packs, law, first, last, displacement, blocks);
+          return tangent_of_packs<Points>(packs, law, first, last, displacement, increment, blocks);
         };
         if (packs.n_nodes == 10) return run(StandardPoints<10>{});
         return run(StandardPoints<20>{});

@@ -95,20 +95,23 @@ Eigen::Vector3d LeafletSurface::circumferential(double u, double v) const {
 }
 
 Eigen::Vector2d LeafletSurface::parameters_at(double y, double z) const {
-  // Along a line y = const, z rises with v; u follows from (1 - v) R sin(theta_m u) + v y_m u = |y|, whose left side
-  // rises with u. Both are found by bisection, which the vanishing lines at the commissures cannot disturb.
+  // Along a line y = const, z rises with v: bisection, which the vanishing lines at the commissures cannot disturb.
+  // There u follows from (1 - v) R sin(theta_m u) + v y_m u = |y|, whose left side is concave: Newton from 0 rises to
+  // the root.
   const double y_wanted = std::min(std::abs(y), y_max_);
   const auto u_at = [&](double v) {
-    double low = 0, high = 1;
-    for (int step = 0; step < 54; ++step) {  // to the last bit of a double in [0, 1]
-      const double u = (low + high) / 2;
-      const double there = (1 - v) * shape_.tube_radius * std::sin(theta_max_ * u) + v * y_max_ * u;
-      (there < y_wanted ? low : high) = u;
+    double u = 0;
+    for (int step = 0; step < 50; ++step) {
+      const double missing = y_wanted - (1 - v) * shape_.tube_radius * std::sin(theta_max_ * u) - v * y_max_ * u;
+      const double slope = (1 - v) * shape_.tube_radius * theta_max_ * std::cos(theta_max_ * u) + v * y_max_;
+      const double next = std::min(u + missing / slope, 1.0);
+      if (next <= u) break;  // rounding stops the rise
+      u = next;
     }
-    return high;
+    return u;
   };
   double low = 0, high = 1;
-  for (int step = 0; step < 54; ++step) {
+  for (int step = 0; step < 54; ++step) {  // to the last bit of a double in [0, 1]
     const double v = (low + high) / 2;
     (position(u_at(v), v).z() < z ? low : high) = v;
   }

@@ -39,21 +39,30 @@ class FreeVectors {
   Eigen::Index n_nodes_ = 0;
 };
 
-/// (K - shift M)^-1 for Spectra; the solver has factorised it.
+/// Modes that are known: their shapes and momenta M phi, with phi^T M phi = 1.
+struct KnownModes {
+  std::vector<Eigen::VectorXd> shape, momentum;
+};
+
+/// (K - shift M)^-1 for Spectra, on what is left beside the known modes; the solver has factorised the matrix.
 class ShiftInverse {
  public:
   using Scalar = double;
-  ShiftInverse(const TangentSolver& solver, const FreeVectors& vectors) : solver_(solver), vectors_(vectors) {}
+  ShiftInverse(const TangentSolver& solver, const FreeVectors& vectors, const KnownModes& known)
+      : solver_(solver), vectors_(vectors), known_(known) {}
   Eigen::Index rows() const { return vectors_.size(); }
   Eigen::Index cols() const { return vectors_.size(); }
   void set_shift(double) {}
   void perform_op(const double* in, double* out) const {
     vectors_.from_nodes(solver_.solve(vectors_.at_nodes(in)), out);
+    Eigen::Map<Eigen::VectorXd> x(out, rows());
+    for (std::size_t n = 0; n < known_.shape.size(); ++n) x -= known_.momentum[n].dot(x) * known_.shape[n];
   }
 
  private:
   const TangentSolver& solver_;
   const FreeVectors& vectors_;
+  const KnownModes& known_;
 };
 
 class MassProduct {
@@ -88,16 +97,23 @@ double high_eigenvalue(TangentSolver& solver, const NodeVectors& displacement) {
   return vector.cwiseProduct(solver.multiply(vector)).sum() / vector.cwiseProduct(solver.mass_times(vector)).sum();
 }
 
-/// A shift below all eigenvalues, factorised: a small part of the highest ones, more when the body is not stable.
+/// A shift below all eigenvalues, factorised: a small part of the highest ones; more when the body is not stable, or so
+/// soft in some motion that the matrix is nearly singular.
 double factorise_below_all(TangentSolver& solver, const NodeVectors& displacement) {
   constexpr double smallest_part = 1e-10;  // above round-off, below the lowest mode of any body that is not a string
   const double scale = std::abs(high_eigenvalue(solver, displacement));
-  for (double part = smallest_part; part <= 1; part *= 10) {
-    factorise_shifted(solver, displacement, -part * scale);
-    if (solver.n_negative_pivots() == 0) return -part * scale;
+  for (double part = smallest_part;; part *= 10) {
+    const bool is_last = part > 0.1;
+    try {
+      factorise_shifted(solver, displacement, -part * scale);
+      if (solver.n_negative_pivots() == 0) return -part * scale;
+    } catch (const report::NumericsError&) {
+      if (is_last) throw;
+    }
+    if (is_last)
+      throw report::NumericsError("modes", "the stiffness has eigenvalues below " + report::text(-scale) + " 1/s^2",
+                                  "the body is far from stable at the displacement given");
   }
-  throw report::NumericsError("modes", "the stiffness has eigenvalues below " + report::text(-scale) + " 1/s^2",
-                              "the body is far from stable at the displacement given");
 }
 
 struct EigenPairs {
@@ -105,16 +121,22 @@ struct EigenPairs {
   Eigen::MatrixXd vector;
 };
 
-/// The factors of the solver are those of the shift.
-EigenPairs lowest_pairs(const TangentSolver& solver, const FreeVectors& vectors, double shift, int n_pairs,
-                        int n_vectors) {
-  constexpr double tolerance = 1e-11;  // of 1/(lambda - shift)
+/// Beside the known modes; the factors of the solver are those of the shift. The iteration starts from a vector that is
+/// like no mode, another one for each seed.
+EigenPairs lowest_pairs(const TangentSolver& solver, const FreeVectors& vectors, const KnownModes& known, double shift,
+                        int n_pairs, double tolerance, unsigned seed) {
   constexpr int n_restarts_max = 300;
-  ShiftInverse inverse(solver, vectors);
+  const auto n_vectors = static_cast<int>(std::min<Eigen::Index>(vectors.size(), 2 * n_pairs + 18));
+  ShiftInverse inverse(solver, vectors, known);
   MassProduct mass(solver, vectors);
   Spectra::SymGEigsShiftSolver<ShiftInverse, MassProduct, Spectra::GEigsMode::ShiftInvert> lanczos(
       inverse, mass, n_pairs, n_vectors, shift);
-  lanczos.init();
+  Eigen::VectorXd start(vectors.size());
+  for (double& entry : start) {
+    seed = seed * 1664525u + 1013904223u;  // Lehmer's generator with an increment [Knuth 1998, 3.2]
+    entry = static_cast<double>(seed >> 8) / 16777216.0 - 0.5;
+  }
+  lanczos.init(start.data());
   const auto n_found =
       lanczos.compute(Spectra::SortRule::LargestAlge, n_restarts_max, tolerance, Spectra::SortRule::SmallestAlge);
   if (n_found < n_pairs || lanczos.info() != Spectra::CompInfo::Successful)
@@ -122,6 +144,15 @@ EigenPairs lowest_pairs(const TangentSolver& solver, const FreeVectors& vectors,
         "modes", "only " + std::to_string(n_found) + " of " + std::to_string(n_pairs) + " modes have converged",
         "ask for a few modes more or fewer");
   return {lanczos.eigenvalues(), lanczos.eigenvectors()};
+}
+
+void add_known(const TangentSolver& solver, const FreeVectors& vectors, const Eigen::VectorXd& shape,
+               KnownModes& known) {
+  Eigen::VectorXd momentum(shape.size());
+  vectors.from_nodes(solver.mass_times(vectors.at_nodes(shape.data())), momentum.data());
+  const double norm = std::sqrt(shape.dot(momentum));
+  known.shape.push_back(shape / norm);
+  known.momentum.push_back(momentum / norm);
 }
 
 Mode make_mode(const TangentSolver& solver, double eigenvalue, double shift, NodeVectors shape) {
@@ -150,25 +181,30 @@ std::vector<Mode> modal_analysis(TangentSolver& solver, const NodeVectors& displ
                              "cannot find " + std::to_string(n_modes) + " modes of a body with " +
                                  std::to_string(vectors.size()) + " free components",
                              "choose a number between 1 and " + std::to_string(vectors.size() - 1));
-  constexpr int n_attempts_max = 4;
-  int n_pairs = n_modes, extra_vectors = 20;
-  for (int attempt = 0; attempt < n_attempts_max; ++attempt, extra_vectors *= 2) {
-    const double shift = factorise_below_all(solver, displacement);
-    const auto n_vectors = static_cast<int>(std::min<Eigen::Index>(vectors.size(), 2 * n_pairs + extra_vectors));
-    const EigenPairs pairs = lowest_pairs(solver, vectors, shift, n_pairs, n_vectors);
-    std::vector<Mode> modes;
-    for (int n = 0; n < n_modes; ++n)
-      modes.push_back(make_mode(solver, pairs.value[n], shift, vectors.at_nodes(pairs.vector.col(n).data())));
-
-    // A little above the last pair. Equal eigenvalues may end up on both sides of n_pairs: then one more is looked for.
-    const double last = pairs.value[n_pairs - 1];
-    factorise_shifted(solver, displacement, last + 1e-6 * (last - shift));
-    const int n_below = solver.n_negative_pivots();
-    if (n_below == n_pairs) return modes;
-    n_pairs = std::min(std::max(n_below, n_modes), static_cast<int>(vectors.size()) - 1);
+  const double shift = factorise_below_all(solver, displacement);
+  constexpr double tolerance = 1e-11, tolerance_of_check = 1e-6;  // of 1/(lambda - shift)
+  KnownModes known;
+  const EigenPairs first = lowest_pairs(solver, vectors, known, shift, n_modes, tolerance, 1);
+  std::vector<std::pair<double, std::size_t>> found;  // eigenvalues and places among the known modes
+  const auto keep = [&](double eigenvalue, const Eigen::VectorXd& shape) {
+    add_known(solver, vectors, shape, known);
+    found.emplace_back(eigenvalue, known.shape.size() - 1);
+    std::sort(found.begin(), found.end());
+  };
+  for (int n = 0; n < n_modes; ++n) keep(first.value[n], first.vector.col(n));
+  // One start vector may miss copies of equal eigenvalues: what is the lowest of those that are left?
+  const auto n_wanted = static_cast<std::size_t>(n_modes);
+  for (unsigned seed = 2; known.shape.size() < static_cast<std::size_t>(vectors.size()) - 1; ++seed) {
+    const double highest = found[n_wanted - 1].first;
+    const EigenPairs left = lowest_pairs(solver, vectors, known, shift, 1, tolerance_of_check, seed);
+    if (!(left.value[0] - shift < (1 - 1e-5) * (highest - shift))) break;
+    const EigenPairs missed = lowest_pairs(solver, vectors, known, shift, 1, tolerance, seed);
+    keep(missed.value[0], missed.vector.col(0));
   }
-  throw report::NumericsError("modes", "some of the lowest " + std::to_string(n_modes) + " modes were not found",
-                              "ask for a few modes more or fewer");
+  std::vector<Mode> modes;
+  for (std::size_t n = 0; n < n_wanted; ++n)
+    modes.push_back(make_mode(solver, found[n].first, shift, vectors.at_nodes(known.shape[found[n].second].data())));
+  return modes;
 }
 
 }  // namespace couplet::solid

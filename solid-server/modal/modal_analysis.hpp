@@ -16,10 +16,10 @@ struct Mode {
   double residual = 0;                      // |K phi - lambda M phi| over |K phi|, both with the shift
 };
 
-/// The lowest modes of K(u) phi = lambda M phi, rising, with consistent mass. Shift-inverted Lanczos iteration with
-/// restarts [Spectra; Lehoucq, Sorensen, Yang 1998]. The shift lies a little below all eigenvalues, so that a body that
-/// is not held has its six modes of frequency 0 too; that none is missed, also among equal ones, is checked by counting
-/// the negative pivots above the highest one (Sylvester's law of inertia).
+/// The lowest modes of K(u) phi = lambda M phi, rising. Shift-inverted Lanczos iteration with restarts [Lehoucq,
+/// Sorensen, Yang 1998], by Spectra. The shift lies a little below all eigenvalues, so that a body that is not held has
+/// its six modes of frequency 0 too. One start vector may miss copies of equal eigenvalues; so the lowest of what is
+/// left beside the modes found is looked for from another one, until it is not among the lowest.
 ///
 /// Throws SceneError when there are not as many modes; NumericsError when the body is turned inside out at the
 /// displacement or the iteration does not converge. Uses up what `solver` has assembled.

@@ -16,7 +16,7 @@ double seconds_per_substep(SolidModel& model, double duration) {
   const auto seconds_of = [&] {
     const auto started = Clock::now();
     model.solve_step(duration, load);
-    return std::chrono::duration<double>(Clock::now() - started).count() / model.n_substeps_of_last_step();
+    return std::chrono::duration<double>(Clock::now() - started).count() / static_cast<double>(model.work_of_last_step().n_substeps);
   };
   double fastest = seconds_of();
   const auto end = Clock::now() + std::chrono::milliseconds(200);

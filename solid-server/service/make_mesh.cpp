@@ -1,8 +1,12 @@
 #include "solid-server/service/make_mesh.hpp"
 
+#include <cstdio>
+
 #include "proto/report/failure.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/check_mesh.hpp"
 #include "solid-server/mesh/cylinder_beam_mesh.hpp"
+#include "solid-server/mesh/read_mesh.hpp"
 #include "solid-server/mesh/valve_mesh.hpp"
 #include "solid-server/mesh/vocal_fold_mesh.hpp"
 
@@ -60,9 +64,31 @@ SolidMesh make(const v1::CylinderBeamMesh& beam) {
   return make_cylinder_beam_mesh(shape);
 }
 
+/// Every part of the body must be held where anything of it is: one that is not has nodes that should have been merged.
+std::vector<Index> supported_nodes(const v1::Body& body, const SolidMesh& mesh, const std::string& where) {
+  std::vector<Index> nodes;
+  const auto add = [&](const std::string& name, const std::string& place) {
+    const auto found = mesh.find_nodes(name, place);
+    nodes.insert(nodes.end(), found.begin(), found.end());
+  };
+  for (int i = 0; i < body.fixed_size(); ++i) add(body.fixed(i), where + ".fixed[" + std::to_string(i) + "]");
+  for (int i = 0; i < body.symmetry_size(); ++i)
+    add(body.symmetry(i).surface(), where + ".symmetry[" + std::to_string(i) + "].surface");
+  return nodes;
+}
+
+SolidMesh read(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {
+  const MeshReading reading = read_mesh(scene_folder / body.mesh_file().file(), body.mesh_file().length_unit());
+  if (!reading.note.empty())
+    std::fprintf(stderr, "solid-server: %s: %s\n", body.mesh_file().file().c_str(), reading.note.c_str());
+  const std::vector<Index> supported = supported_nodes(body, reading.mesh, where);
+  if (!supported.empty()) check_connected(reading.mesh, supported, where + ".mesh_file");
+  return reading.mesh;
+}
+
 }  // namespace
 
-SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::filesystem::path&) {
+SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {
   switch (body.mesh_case()) {
     case v1::Body::kVocalFold:
       return make(body.vocal_fold());
@@ -73,6 +99,7 @@ SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::f
     case v1::Body::kCylinderBeam:
       return make(body.cylinder_beam());
     case v1::Body::kMeshFile:
+      return read(body, where, scene_folder);
     case v1::Body::kAnnulus:
     case v1::Body::kHollowSphere:
     case v1::Body::kBall:

@@ -95,6 +95,26 @@ PressureLoad make_pressure(const v1::PressureLoad& load) {
   return {load.surface(), [table = scene::make_time_table(load.value())](double time) { return table.at(time); }};
 }
 
+RigidPlane make_plane(const v1::RigidPlane& plane) {
+  RigidPlane out{{0, plane.y(), 0}, -Eigen::Vector3d::UnitY(), plane.stiffness(), {}};
+  if (plane.has_plane()) {
+    out.point = vector(plane.plane().point());
+    out.normal = vector(plane.plane().normal());
+  }
+  out.surfaces.assign(plane.surface().begin(), plane.surface().end());
+  return out;
+}
+
+ContactPair make_contact(const v1::Contact& contact) {
+  ContactPair pair;
+  pair.first = contact.first();
+  pair.second = contact.second();
+  pair.stiffness = contact.stiffness();  // absent: 0, from the elements
+  pair.distance = contact.distance();
+  pair.cancels_interface_load = contact.cancel_interface_load();
+  return pair;
+}
+
 void add_loads(const v1::Solid& solid, SolidSetup& setup) {
   for (const v1::PressureLoad& load : solid.pressure()) setup.pressures.push_back(make_pressure(load));
   for (const v1::TractionLoad& load : solid.traction())
@@ -102,6 +122,44 @@ void add_loads(const v1::Solid& solid, SolidSetup& setup) {
   for (const v1::NodeForceLoad& load : solid.node_force())
     setup.node_forces.push_back({load.nodes(), make_vector(load.value())});
   if (solid.has_gravity()) setup.gravity = make_vector(solid.gravity());
+}
+
+void add_prescribed_motion(const v1::PrescribedMotion& motion, Supports& supports) {
+  const auto add = [&](bool is_given, const std::string& formula, int axis) {
+    if (!is_given) return;
+    const auto parsed = std::make_shared<scene::Expression>(formula);
+    supports.prescribed.push_back({motion.nodes(), axis, [parsed](const Eigen::Vector3d& p, double time) {
+                                     return parsed->at(p.x(), p.y(), p.z(), time);
+                                   }});
+  };
+  add(motion.has_x(), motion.x(), 0);
+  add(motion.has_y(), motion.y(), 1);
+  add(motion.has_z(), motion.z(), 2);
+}
+
+/// AUTO begins as the central difference method; whoever opens the scene chooses.
+TimeMethod time_method(v1::TimeIntegration::Method method) {
+  switch (method) {
+    case v1::TimeIntegration::GENERALIZED_ALPHA:
+      return TimeMethod::generalized_alpha;
+    case v1::TimeIntegration::STATIC:
+      return TimeMethod::static_equilibrium;
+    case v1::TimeIntegration::CENTRAL_DIFFERENCE:
+    case v1::TimeIntegration::AUTO:
+      break;
+  }
+  return TimeMethod::central_difference;
+}
+
+void set_time_integration(const v1::TimeIntegration& given, SolidSetup& setup) {
+  setup.method = time_method(given.method());
+  setup.step = {given.safety(), given.largest_substep(), given.estimate_every()};
+  setup.implicit.spectral_radius = given.spectral_radius();
+  setup.implicit.largest_substep = given.largest_substep();
+  setup.implicit.newton = {given.newton_tolerance(), given.newton_iterations_max()};
+  setup.statics.newton = setup.implicit.newton;
+  setup.statics.path.tolerance = given.newton_tolerance();
+  setup.statics.may_follow_path = given.arc_length();
 }
 
 }  // namespace
@@ -124,10 +182,10 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
   setup.damping = {solid.body(0).mass_damping(), solid.settling().until(), solid.settling().mass_damping()};
   setup.damping.stiffness_factor = solid.body(0).stiffness_damping();
   for (const v1::Kick& kick : solid.kick()) setup.kicks.push_back(make_kick(kick));
-  for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back({plane.y(), plane.stiffness()});
-  setup.step.safety = solid.time_integration().safety();
-  setup.step.largest_substep = solid.time_integration().largest_substep();
-  setup.step.estimate_every = solid.time_integration().estimate_every();
+  for (const v1::RigidPlane& plane : solid.rigid_plane()) setup.planes.push_back(make_plane(plane));
+  for (const v1::Contact& contact : solid.contact()) setup.contacts.push_back(make_contact(contact));
+  for (const v1::PrescribedMotion& motion : solid.prescribed_motion()) add_prescribed_motion(motion, setup.supports);
+  set_time_integration(solid.time_integration(), setup);
   return setup;
 }
 

@@ -11,14 +11,32 @@ namespace {
 // Times add up over many steps: a state this share of an interval before its turn counts as on time.
 constexpr double early = 1e-6;
 
+store::CellShape cell_shape(ElementShape shape) {
+  switch (shape) {
+    case ElementShape::hexahedron20:
+      return store::CellShape::hexahedron20;
+    case ElementShape::hexahedron8:
+      return store::CellShape::hexahedron8;
+    case ElementShape::tetrahedron10:
+      return store::CellShape::tetrahedron10;
+  }
+  return store::CellShape::mixed;
+}
+
 }  // namespace
 
 store::ResultMesh result_mesh(const SolidMesh& mesh) {
   store::ResultMesh out;
-  out.shape = store::CellShape::hexahedron20;
+  out.shape = cell_shape(mesh.block.front().shape);
+  for (const ElementBlock& block : mesh.block)
+    if (block.shape != mesh.block.front().shape) out.shape = store::CellShape::mixed;
   out.node_position = mesh.node_position;
   for (const ElementBlock& block : mesh.block)
-    out.cell_node.insert(out.cell_node.end(), block.node.begin(), block.node.end());
+    for (Index element = 0; element < block.n_elements(); ++element) {
+      if (out.shape == store::CellShape::mixed) out.cell_node.push_back(store::cell_code(cell_shape(block.shape)));
+      const auto nodes = block.nodes_of(element);
+      out.cell_node.insert(out.cell_node.end(), nodes.begin(), nodes.end());
+    }
   return out;
 }
 

@@ -7,7 +7,7 @@ namespace couplet::solid {
 
 namespace {
 
-constexpr const char* layout = "couplet solid 1";
+constexpr const char* layout = "couplet solid 2";
 
 NodeVectors read_nodes(const store::Hdf5File& file, const std::string& name, Eigen::Index n_nodes) {
   const surface::NodeArray values = file.read(name);
@@ -19,6 +19,37 @@ NodeVectors read_nodes(const store::Hdf5File& file, const std::string& name, Eig
   NodeVectors nodes = NodeVectors::Zero(n_nodes, 4);
   nodes.leftCols<3>() = values;
   return nodes;
+}
+
+/// What the factors were made from: the same numbers give the same factors.
+void write_factors(store::Hdf5File& file, const KeptFactors& factors) {
+  const FactorOrigin& origin = *factors.origin;
+  file.write("factor_strained", origin.strained.leftCols<3>());
+  file.write("factor_displacement", origin.displacement.leftCols<3>());
+  if (origin.increment.rows() > 0) file.write("factor_increment", origin.increment.leftCols<3>());
+  file.write_number("factor_time", origin.time);
+  file.write_number("factor_stiffness", origin.weights.stiffness);
+  file.write_number("factor_mass", origin.weights.mass);
+  file.write_number("factor_external_stiffness", origin.external_stiffness);
+  file.write_integer("factor_steps", factors.n_steps);
+  file.write_integer("factor_iterations", factors.n_iterations);
+  file.write_integer("factors_are_worn", factors.are_worn);
+}
+
+KeptFactors read_factors(const store::Hdf5File& file, Eigen::Index n_nodes) {
+  FactorOrigin origin;
+  origin.strained = read_nodes(file, "factor_strained", n_nodes);
+  origin.displacement = read_nodes(file, "factor_displacement", n_nodes);
+  if (file.contains("factor_increment")) origin.increment = read_nodes(file, "factor_increment", n_nodes);
+  origin.time = file.read_number("factor_time");
+  origin.weights = {file.read_number("factor_stiffness"), file.read_number("factor_mass")};
+  origin.external_stiffness = file.read_number("factor_external_stiffness");
+  KeptFactors factors;
+  factors.origin = std::make_shared<const FactorOrigin>(std::move(origin));
+  factors.n_steps = static_cast<int>(file.read_integer("factor_steps"));
+  factors.n_iterations = static_cast<int>(file.read_integer("factor_iterations"));
+  factors.are_worn = file.read_integer("factors_are_worn") != 0;
+  return factors;
 }
 
 }  // namespace
@@ -36,6 +67,11 @@ void write_checkpoint(const std::string& path, const SolidState& state) {
   file.write_integer("kicks_done", motion.n_kicks_done);
   file.write_number("stable_step", state.stable_step);
   file.write_integer("accepted_since_estimate", state.n_accepted_since_estimate);
+  file.write_integer("method", static_cast<int>(state.method));
+  file.write_text("why_method", state.why_method);
+  file.write_integer("halvings", motion.n_halvings);
+  if (motion.acceleration.rows() > 0) file.write("acceleration", motion.acceleration.leftCols<3>());
+  if (motion.factors.origin) write_factors(file, motion.factors);
   file.close();
 }
 
@@ -56,6 +92,11 @@ SolidState read_checkpoint(const std::string& path, const SolidState& like) {
   motion.n_kicks_done = static_cast<int>(file.read_integer("kicks_done"));
   state.stable_step = file.read_number("stable_step");
   state.n_accepted_since_estimate = static_cast<int>(file.read_integer("accepted_since_estimate"));
+  state.method = static_cast<TimeMethod>(file.read_integer("method"));
+  state.why_method = file.read_text("why_method");
+  motion.n_halvings = static_cast<int>(file.read_integer("halvings"));
+  if (file.contains("acceleration")) motion.acceleration = read_nodes(file, "acceleration", n_nodes);
+  if (file.contains("factor_time")) motion.factors = read_factors(file, n_nodes);
   return state;
 }
 

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <iostream>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/choose_time_method.hpp"
 #include "solid-server/service/make_setup.hpp"
 #include "solid-server/service/solid_checkpoint.hpp"
 
@@ -50,8 +52,17 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   const Stopwatch watch(seconds_);
   SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
   setup.n_threads = worthwhile_threads(options_.threads, setup.mesh.n_elements());
+  const bool is_new = request.resume_from.empty();
+  TimeMethodChoice choice;
+  if (is_new && request.scene.solid().time_integration().method() == v1::TimeIntegration::AUTO) {
+    choice = choose_time_method(setup, request.scene.time().step());
+    setup.method = choice.method;
+  }
   model_ = std::make_unique<SolidModel>(std::move(setup));
-  if (!request.resume_from.empty()) model_->resume(read_checkpoint(request.resume_from, model_->accepted()));
+  model_->note_why_method(choice.reason);
+  if (!is_new) model_->resume(read_checkpoint(request.resume_from, model_->accepted()));
+  if (!model_->accepted().why_method.empty())
+    std::cerr << "solid-server: time integration: " << model_->accepted().why_method << '\n';
 
   const Motion& motion = model_->accepted().motion;
   results_ = std::make_unique<ResultOutput>(request.scene.output(), request.run_folder,
@@ -81,7 +92,9 @@ participant::StepSolved SolidParticipant::solve_step(const participant::StepInte
   model_->solve_step(interval.duration, received_force(fields));
   participant::StepSolved solved;
   solved.fields = fields_at_surface(model_->trial().motion);
-  solved.inner_iterations = model_->n_substeps_of_last_step();
+  const StepWork& work = model_->work_of_last_step();
+  solved.inner_iterations = static_cast<int>(is_explicit() ? work.n_substeps : work.n_iterations);
+  solved.residual = work.residual;
   solved.seconds = watch.seconds();
   return solved;
 }
@@ -96,10 +109,26 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
       {"solid.strain_energy", energy.strain, "J"},
       {"solid.contact_energy", energy.contact, "J"},
       {"solid.contact_force", energy.contact_force, "N"},
-      {"solid.substeps", static_cast<double>(model_->n_substeps_of_last_step()), "1"}};
+      {"solid.substeps", static_cast<double>(model_->work_of_last_step().n_substeps), "1"}};
+  if (!is_explicit()) add_implicit_numbers(numbers);
   for (Orifice& orifice : orifices_)
     numbers.push_back({orifice.name(), orifice.area(model_->accepted().motion.displacement), "m^2"});
   return numbers;
+}
+
+bool SolidParticipant::is_explicit() const {
+  return model_->accepted().method == TimeMethod::central_difference;
+}
+
+void SolidParticipant::add_implicit_numbers(std::vector<participant::NamedNumber>& numbers) const {
+  const StepWork& work = model_->work_of_last_step();
+  numbers.push_back({"solid.newton_iterations", static_cast<double>(work.n_iterations), "1"});
+  numbers.push_back({"solid.residual", work.residual, "1"});
+  if (model_->accepted().method == TimeMethod::static_equilibrium)
+    numbers.push_back({"solid.negative_pivots", static_cast<double>(work.n_negative_pivots), "1"});
+  for (const Reaction& reaction : model_->reactions())
+    for (int axis = 0; axis < 3; ++axis)
+      numbers.push_back({"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
 }
 
 std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {
@@ -113,7 +142,13 @@ std::vector<participant::NamedNumber> SolidParticipant::close(const std::string&
   std::vector<participant::NamedNumber> numbers = {{"seconds", seconds_, "s"},
                                                    {"peak_memory_bytes", peak_memory_bytes(), "1"}};
   if (model_) {
-    numbers.push_back({"substeps", static_cast<double>(model_->n_substeps_total()), "1"});
+    const StepWork work = model_->total_work();
+    numbers.push_back({"substeps", static_cast<double>(work.n_substeps), "1"});
+    if (!is_explicit()) {
+      numbers.push_back({"newton_iterations", static_cast<double>(work.n_iterations), "1"});
+      numbers.push_back({"factorisations", static_cast<double>(work.n_factorisations), "1"});
+      numbers.push_back({"worst_residual", work.residual, "1"});
+    }
     numbers.push_back({"element_seconds", model_->element_seconds(), "s"});
     numbers.push_back({"elements", static_cast<double>(model_->mesh().n_elements()), "1"});
     numbers.push_back({"nodes", static_cast<double>(model_->mesh().n_nodes()), "1"});

@@ -27,6 +27,8 @@ class SolidParticipant : public participant::Participant {
   std::vector<participant::NamedNumber> close(const std::string& reason) override;
 
  private:
+  bool is_explicit() const;
+  void add_implicit_numbers(std::vector<participant::NamedNumber>& numbers) const;
   surface::FieldSet fields_at_surface(const Motion& motion) const;
   surface::NodeArray received_force(const surface::FieldSet& fields) const;
 

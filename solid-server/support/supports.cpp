@@ -2,19 +2,37 @@
 
 namespace couplet::solid {
 
+std::vector<SupportComponents> support_components(const SolidMesh& mesh, const Supports& supports) {
+  std::vector<SupportComponents> found;
+  Eigen::Array<bool, Eigen::Dynamic, 3> is_held = Eigen::Array<bool, Eigen::Dynamic, 3>::Constant(mesh.n_nodes(), 3, false);
+  const auto add = [&](const std::string& name, const std::string& where, int first_axis, int last_axis) {
+    SupportComponents support{name, {}};
+    for (const Index node : mesh.find_nodes(name, where))
+      for (int axis = first_axis; axis <= last_axis; ++axis)
+        if (!is_held(node, axis)) {
+          is_held(node, axis) = true;
+          support.components.push_back({node, axis});
+        }
+    found.push_back(std::move(support));
+  };
+  const auto entry = [](const std::string& list, std::size_t n) { return list + "[" + std::to_string(n) + "]"; };
+  for (std::size_t s = 0; s < supports.prescribed.size(); ++s)
+    add(supports.prescribed[s].nodes, entry("solid.prescribed_motion", s) + ".nodes", supports.prescribed[s].axis,
+        supports.prescribed[s].axis);
+  for (std::size_t s = 0; s < supports.fixed.size(); ++s)
+    add(supports.fixed[s], entry("solid.body[0].fixed", s), 0, 2);
+  for (std::size_t s = 0; s < supports.symmetry.size(); ++s)
+    add(supports.symmetry[s].surface, entry("solid.body[0].symmetry", s) + ".surface", supports.symmetry[s].axis,
+        supports.symmetry[s].axis);
+  return found;
+}
+
 NodeVectors inverse_mass(const SolidMesh& mesh, const Eigen::VectorXd& mass, const Supports& supports) {
   NodeVectors inverse(mesh.n_nodes(), 4);
   inverse.leftCols<3>() = mass.cwiseInverse().replicate<1, 3>();
   inverse.col(3).setZero();
-  for (std::size_t s = 0; s < supports.fixed.size(); ++s) {
-    const std::string where = "solid.body[0].fixed[" + std::to_string(s) + "]";
-    for (const Index node : mesh.find_nodes(supports.fixed[s], where)) inverse.row(node).setZero();
-  }
-  for (std::size_t s = 0; s < supports.symmetry.size(); ++s) {
-    const auto& [name, axis] = supports.symmetry[s];
-    const std::string where = "solid.body[0].symmetry[" + std::to_string(s) + "].surface";
-    for (const Index node : mesh.find_nodes(name, where)) inverse(node, axis) = 0;
-  }
+  for (const SupportComponents& support : support_components(mesh, supports))
+    for (const auto& [node, axis] : support.components) inverse(node, axis) = 0;
   return inverse;
 }
 

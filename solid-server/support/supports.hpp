@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "solid-server/element/element_packs.hpp"
+#include "solid-server/support/prescribed_motion.hpp"
 
 namespace couplet::solid {
 
@@ -17,7 +17,16 @@ struct SymmetrySurface {
 struct Supports {
   std::vector<std::string> fixed;  // surfaces whose nodes do not move
   std::vector<SymmetrySurface> symmetry;
+  std::vector<PrescribedMotion> prescribed;
 };
+
+/// A named support, and the components that it holds. A component that several name belongs to the first: prescribed
+/// motions come before fixed surfaces and those before symmetry surfaces, in the order of the scene.
+struct SupportComponents {
+  std::string name;
+  std::vector<HeldMotion::Component> components;
+};
+std::vector<SupportComponents> support_components(const SolidMesh& mesh, const Supports& supports);
 
 /// 1/m of each node and component, 0 where a support holds it: what multiplies a force to give an acceleration.
 /// (n_nodes, 4) [1/kg]. Throws SceneError for an unknown surface.

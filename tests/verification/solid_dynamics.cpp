@@ -7,10 +7,11 @@
 #include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/modal/modal_analysis.hpp"
 #include "solid-server/solid_model.hpp"
-#include "tests/verification/solid_modes.hpp"
 
 namespace couplet::solid {
 namespace {
@@ -153,23 +154,22 @@ TEST(Damping, OfAnySizeIsStable) {
   EXPECT_TRUE(model.accepted().motion.displacement.allFinite());
 }
 
+FreeComponents free_of(const SolidSetup& setup) {
+  const Eigen::VectorXd mass = lumped_mass(setup.mesh, {setup.properties[0].density});
+  return free_components(inverse_mass(setup.mesh, mass, setup.supports));
+}
+
 /// The body moves in one mode from rest, so that its energy falls as exp(-beta omega^2 t).
 TEST(Damping, ByStiffnessTakesFromEachModeByTheSquareOfItsFrequency) {
   SolidSetup setup = rubber_cube();
   setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
   setup.supports.fixed = {"x_min"};
-  const FreeVibration body = free_vibration(setup.mesh, setup.properties[0], setup.supports);
-  const NodeVectors inverse =
-      inverse_mass(setup.mesh, lumped_mass(setup.mesh, {setup.properties[0].density}), setup.supports);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(Eigen::MatrixXd(body.stiffness),
-                                                                        Eigen::MatrixXd(body.lumped_mass));
-  for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{20}}) {
-    const double omega = std::sqrt(modes.eigenvalues()[k]), period = 2 * M_PI / omega;
-    NodeVectors shape = NodeVectors::Zero(setup.mesh.n_nodes(), 4);
-    Eigen::Index equation = 0;
-    for (Index n = 0; n < setup.mesh.n_nodes(); ++n)
-      for (int i = 0; i < 3; ++i)
-        if (inverse(n, i) > 0) shape(n, i) = modes.eigenvectors()(equation++, k);
+  WorkTeam team(1);
+  TangentSolver body(setup.mesh, setup.properties, free_of(setup), team, MassForm::lumped);
+  const auto modes = modal_analysis(body, NodeVectors::Zero(setup.mesh.n_nodes(), 4), 21);
+  for (const std::size_t k : {std::size_t{0}, std::size_t{20}}) {
+    const double omega = std::sqrt(modes[k].eigenvalue), period = 2 * M_PI / omega;
+    const NodeVectors& shape = modes[k].shape;
     setup.kicks = {{0, [&](const Eigen::Vector3d& x) -> Eigen::Vector3d {
                       Index nearest = 0;
                       (setup.mesh.node_position.rowwise() - x.transpose()).rowwise().squaredNorm().minCoeff(&nearest);
@@ -210,7 +210,7 @@ TEST(Damping, ByStiffnessShortensTheStableStepAsItIsSaidTo) {
 TEST(BouncingCube, KeepsItsEnergyThroughContact) {
   SolidSetup setup = rubber_cube();
   setup.wetted = {"y_max"};
-  setup.planes = {{1.05, 1e9}};
+  setup.planes = {{{0, 1.05, 0}, {0, -1, 0}, 1e9, {}}};
   setup.step.safety = 0.5;
   setup.kicks = {{0, [](const Eigen::Vector3d&) { return Eigen::Vector3d(0, 5, 0); }}};
   SolidModel model(setup);
@@ -247,6 +247,24 @@ TEST(UniaxialPressure, ReachesTheHomogeneousSolution) {
   EXPECT_NEAR(u.col(2).maxCoeff() / 0.01, 0.1121292, 1e-6);
 }
 
+/// Of M^-1/2 K M^-1/2 with lumped mass, all of its columns written out [1/s^2].
+double largest_eigenvalue(const SolidSetup& setup) {
+  const Index n_nodes = setup.mesh.n_nodes();
+  WorkTeam team(1);
+  TangentSolver body(setup.mesh, setup.properties, free_of(setup), team, MassForm::lumped);
+  body.assemble(NodeVectors::Zero(n_nodes, 4), {1, 0});
+  const NodeVectors scale =
+      inverse_mass(setup.mesh, lumped_mass(setup.mesh, {setup.properties[0].density}), setup.supports).cwiseSqrt();
+  Eigen::MatrixXd matrix(4 * n_nodes, 4 * n_nodes);
+  for (Index column = 0; column < 4 * n_nodes; ++column) {
+    NodeVectors unit = NodeVectors::Zero(n_nodes, 4);
+    unit.data()[column] = scale.data()[column];
+    const NodeVectors product = body.multiply(unit).cwiseProduct(scale);
+    matrix.col(column) = Eigen::Map<const Eigen::VectorXd>(product.data(), product.size());
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
 TEST(StableStep, IsJustBelowTheExactOne) {
   for (const Material& material :
        {Material(SaintVenantKirchhoff::from_young(17e6, 0.3)), Material(MooneyRivlin{2290, 250, 1e5})})
@@ -256,11 +274,7 @@ TEST(StableStep, IsJustBelowTheExactOne) {
       setup.properties = {{material, 1100, n_points}};
       setup.supports.fixed = {"x_min"};
       const double found = SolidModel(setup).accepted().stable_step;
-      const FreeVibration body = free_vibration(setup.mesh, setup.properties[0], setup.supports);
-      const Eigen::VectorXd scale = body.lumped_mass.diagonal().cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd matrix = scale.asDiagonal() * Eigen::MatrixXd(body.stiffness) * scale.asDiagonal();
-      const double exact =
-          2 / std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix).eigenvalues().maxCoeff());
+      const double exact = 2 / std::sqrt(largest_eigenvalue(setup));
       EXPECT_LE(found, exact * (1 + 1e-6));  // the stiffness is applied as a difference of forces
       EXPECT_GE(found, 0.99 * exact);
       const double wave_time =

@@ -25,7 +25,7 @@ SolidSetup busy_fold(int n_threads) {
   setup.damping = {0.05, 4.5 * coupling_step, 400};
   setup.kicks = {{3.3 * coupling_step, [](const Eigen::Vector3d& x) { return Eigen::Vector3d(0, 60 * x.y(), 0); }}};
   setup.pressures = {{"inferior", [](double t) { return 1e7 * t; }}};
-  setup.planes = {{0.01001, 1e8}};
+  setup.planes = {{{0, 0.01001, 0}, {0, -1, 0}, 1e8, {}}};
   setup.step.estimate_every = 4;
   setup.n_threads = n_threads;
   return setup;
@@ -154,7 +154,7 @@ TEST(SolidModel, NamesElementAndTimeWhenAnElementIsTurnedInsideOut) {
 
 TEST(SolidModel, RefusesAPlaneThatNothingCanTouch) {
   SolidSetup setup = kicked_cube();
-  setup.planes = {{2, 1e6}};
+  setup.planes = {{{0, 2, 0}, {0, -1, 0}, 1e6, {}}};
   EXPECT_THROW(SolidModel{setup}, report::SceneError);
 }
 

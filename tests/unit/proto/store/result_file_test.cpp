@@ -181,6 +181,26 @@ TEST(ResultFile, DrawsAPolylineAsSegments) {
   EXPECT_THAT(text_of(folder / "line.xmf"), testing::HasSubstr("line.h5:/mesh/position"));
 }
 
+TEST(ResultFile, HoldsCellsOfEveryShape) {
+  const TemporaryFolder folder;
+  const auto write = [&](CellShape shape, const std::vector<std::int64_t>& cell_node) {
+    ResultWriter(folder.path(), "body", {shape, two_bricks().node_position, cell_node}).append(0, fields_of(0));
+    const ResultReader reader(folder.path(), "body");
+    EXPECT_EQ(reader.mesh().shape, shape);
+    EXPECT_EQ(reader.mesh().cell_node, cell_node);
+    return text_of(folder / "body.xmf");
+  };
+  EXPECT_THAT(write(CellShape::hexahedron8, {0, 1, 2, 3, 4, 5, 6, 7}),
+              testing::HasSubstr("<Topology TopologyType=\"Hexahedron\" NumberOfElements=\"1\">"));
+  EXPECT_THAT(write(CellShape::tetrahedron10, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9}),
+              testing::HasSubstr("<Topology TopologyType=\"Tetrahedron_10\" NumberOfElements=\"2\">"));
+  const std::string mixed =
+      write(CellShape::mixed, {9,  0,  1,  2,  3,  4,  5,  6,  7,  38, 0,  1,  2,  3,  4,  5,  6,  7,  8,  9, 48,
+                               20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39});
+  EXPECT_THAT(mixed, testing::HasSubstr("<Topology TopologyType=\"Mixed\" NumberOfElements=\"3\">"));
+  EXPECT_THAT(mixed, testing::HasSubstr("Dimensions=\"41 1\""));
+}
+
 TEST(ResultFile, SaysWhenTheDiskIsFullAndKeepsWhatThereIs) {
   const TemporaryFolder folder;
   const auto fill = [&] {

@@ -157,6 +157,35 @@ TEST(TangentSolver, TakesContributionsBetweenAnyNodes) {
   EXPECT_LE(largest(solver.solve(solver.multiply(d_free)) - d_free), 1e-10);  // round-off times the condition number
   solver.assemble(NodeVectors::Zero(mesh.n_nodes(), 4), {1, 0});
   EXPECT_EQ(solver.multiply(d), before);  // forgotten, though the pattern has grown
+  solver.add(near, near, C);              // another pair instead
+  solver.add(far - 40, far - 40, C);
+  solver.add(near, far - 40, -C);
+  solver.add(far - 40, near, -C);
+  const NodeVectors after = solver.multiply(d_free);
+  solver.factorise();
+  EXPECT_LE(largest(solver.solve(after) - d_free), 1e-10);
+}
+
+TEST(TangentMatrix, KeepsItsEntriesWhenThePatternChanges) {
+  const SolidMesh mesh = bar();
+  WorkTeam team(1);
+  TangentMatrix matrix(mesh, two_materials(), MassForm::consistent, team);
+  matrix.assemble(wavy(mesh, 0.02), nullptr, 1, 10);
+  const NodeVectors d = scattered(mesh), before = matrix.multiply(d);
+  const Index n_pairs = matrix.pairs().n_pairs(), last = mesh.n_nodes() - 1;
+  EXPECT_TRUE(matrix.is_zero(0, last));
+  EXPECT_FALSE(matrix.is_zero(0, 1));
+  EXPECT_FALSE(matrix.add_symmetric_part(last, 0, Eigen::Matrix3d::Ones()));
+  for (const Index other : {Index{0}, Index{3}}) {
+    matrix.set_extra_pairs({{last, other}, {1, 0}});  // the second one is that of an element
+    EXPECT_EQ(matrix.pairs().n_pairs(), n_pairs + 1);
+    EXPECT_TRUE(matrix.is_zero(last, other));
+    EXPECT_EQ(matrix.multiply(d), before);
+    EXPECT_TRUE(matrix.add_symmetric_part(other, last, Eigen::Matrix3d::Ones()));
+    EXPECT_FALSE(matrix.is_zero(last, other));
+    matrix.assemble(wavy(mesh, 0.02), nullptr, 1, 10);
+    EXPECT_EQ(matrix.multiply(d), before);
+  }
 }
 
 TEST(TangentSolver, GivesTheSameBitsForAnyNumberOfMembers) {

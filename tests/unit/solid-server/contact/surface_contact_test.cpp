@@ -7,6 +7,7 @@
 #include <random>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/element/element_packs.hpp"
 #include "solid-server/mesh/box_mesh.hpp"
 
@@ -23,7 +24,7 @@ SolidMesh two_plates() {
 }
 
 ContactPair pair_of_plates(bool is_symmetric = true) {
-  return {"above/z_min", "below/z_max", k, d0, 0.1, is_symmetric};
+  return {"above/z_min", "below/z_max", k, d0, 0.1, true, is_symmetric};
 }
 
 bool is_above(const SolidMesh& mesh, Index node) {
@@ -298,7 +299,7 @@ NodeVectors hairpin(const SolidMesh& mesh, double distance) {
 
 TEST(SurfaceContact, SelfContactFindsTheOtherLegAndNotTheNeighbours) {
   const SolidMesh mesh = make_box_mesh({{4, 0.2, 0.1}, {40, 2, 1}});
-  SurfaceContact contact(mesh, {{"z_max", "z_max", k, d0, 0.02, true}});
+  SurfaceContact contact(mesh, {{"z_max", "", k, d0, 0.02}});
   EXPECT_EQ(contact.total(NodeVectors::Zero(mesh.n_nodes(), 4).eval().data()).n_touching, 0);
   NodeVectors shorter = NodeVectors::Zero(mesh.n_nodes(), 4);
   shorter.col(0) = -0.3 * mesh.node_position.col(0);  // neighbours come closer and still do not count
@@ -312,6 +313,20 @@ TEST(SurfaceContact, SelfContactFindsTheOtherLegAndNotTheNeighbours) {
   EXPECT_NEAR(total.force, k * 0.01 * leg_area, 0.1 * k * 0.01 * leg_area);  // one element of 40 is the bend
   const NodeVectors force = force_at(contact, closed);
   EXPECT_LT(force.colwise().sum().norm(), 1e-13 * force.cwiseAbs().sum());
+}
+
+TEST(PenaltyStiffness, IsThatOfTheSofterElementBehindTheSurfaces) {
+  const SolidMesh mesh = two_plates();
+  const NeoHookean stiff{2e4, 1e6}, soft{1e3, 5e4};
+  const auto modulus = [](const NeoHookean& law) { return law.bulk_modulus_at_rest() + 4.0 / 3 * law.shear_modulus(); };
+  ContactPair pair = pair_of_plates();
+  pair.stiffness = pair.largest_depth = 0;
+  pair = complete(pair, mesh, {{stiff, 1000}, {soft, 1000}}, 0);
+  EXPECT_NEAR(pair.stiffness, modulus(soft) / 0.3, 1e-9 * pair.stiffness);  // one element through the thickness
+  EXPECT_NEAR(pair.largest_depth, 0.15, 1e-12);
+  const ContactPair given = complete(pair_of_plates(), mesh, {{stiff, 1000}, {soft, 1000}}, 0);
+  EXPECT_EQ(given.stiffness, k);
+  EXPECT_EQ(given.largest_depth, 0.1);
 }
 
 TEST(SurfaceContact, RefusesWhatCannotBe) {

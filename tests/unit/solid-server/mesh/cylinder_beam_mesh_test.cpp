@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/mesh/check_mesh.hpp"
 #include "tests/unit/solid-server/mesh/mesh_measures.hpp"
 
 namespace couplet::solid {
@@ -26,6 +27,7 @@ TEST(CylinderBeamMesh, HasTheBenchmarksCornersAndRoot) {
     std::size_t n_faces = 0;
     for (const auto& surface : mesh.surface) n_faces += surface.second.size();
     EXPECT_EQ(n_faces, n_boundary_faces(mesh));
+    EXPECT_NO_THROW(check_mesh(mesh, "beam"));
   }
 }
 

@@ -1,0 +1,68 @@
+#include "solid-server/dynamics/body_equations.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/report/failure.hpp"
+
+namespace couplet::solid {
+
+BodyEquations::BodyEquations(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
+                             const FreeComponents& free, HeldMotion held, NodalForce& force, WorkTeam& team)
+    : mesh_(mesh),
+      force_(force),
+      team_(team),
+      held_(std::move(held)),
+      is_free_(NodeVectors::Zero(mesh.n_nodes(), 4)),
+      length_((mesh.node_position.colwise().maxCoeff() - mesh.node_position.colwise().minCoeff()).maxCoeff()),
+      tangent_(std::make_unique<TangentSolver>(mesh, properties, free, team)) {
+  is_free_.leftCols<3>() = free.cast<double>().matrix();
+}
+
+Index BodyEquations::forces(const NodeVectors& strained, const NodeVectors& displacement, const Moment& moment,
+                            NodeVectors& out) {
+  out.resize(displacement.rows(), 4);
+  force_.forget_inverted();
+  double* const force = out.data();
+  const auto keep = [force](Index node, const NodeQuad& sum) { std::memcpy(force + 4 * node, &sum, sizeof sum); };
+  team_.run([&](int member) {
+    force_.write_external_parts(member, displacement.data(), moment);
+    team_.barrier();
+    force_.sweep(member, strained.data(), moment, keep);
+    team_.barrier();
+    force_.visit_shared(member, keep);
+  });
+  return force_.inverted_element();
+}
+
+double BodyEquations::external_size(const NodeVectors& displacement, const Moment& moment) {
+  return free_part(force_.all(displacement, moment) - force_.internal_only(displacement)).norm();
+}
+
+Index BodyEquations::factorise(std::shared_ptr<const FactorOrigin> origin) {
+  if (origin == origin_) return -1;
+  origin_.reset();
+  const NodeVectors* const increment = origin->increment.rows() > 0 ? &origin->increment : nullptr;
+  if (const Index inverted = tangent_->assemble(origin->strained, origin->weights, increment); inverted >= 0)
+    return inverted;
+  if (origin->external_stiffness != 0)
+    force_.external().add_stiffness(origin->displacement, origin->time,
+                                    [&](Index a, Index b, const Eigen::Matrix3d& block) {
+                                      tangent_->add(a, b, origin->external_stiffness * block);
+                                    });
+  tangent_->factorise();
+  origin_ = std::move(origin);
+  return -1;
+}
+
+double BodyEquations::factorisation_cost() const {
+  constexpr double cost_known = 20, n_free_known = 38000;
+  return std::clamp(cost_known * std::sqrt(tangent_->n_free() / n_free_known), 2.0, 200.0);
+}
+
+std::size_t BodyEquations::memory_bytes() const {
+  return tangent_->memory_bytes() +
+         static_cast<std::size_t>(is_free_.size()) * sizeof(double) * 4;  // with the three arrays of the origin
+}
+
+}  // namespace couplet::solid

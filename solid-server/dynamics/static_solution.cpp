@@ -1,0 +1,171 @@
+#include "solid-server/dynamics/static_solution.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "proto/report/failure.hpp"
+
+namespace couplet::solid {
+
+namespace {
+
+constexpr int n_halvings_most = 4;
+constexpr double load_difference = 1e-4;  // for the load rate: exact for loads that are linear in the factor
+
+}  // namespace
+
+StepWork StaticSolution::advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
+                                 Motion& to) {
+  begin(from, duration, interface_force, to);
+  StepWork work;
+  constexpr int n_ticks = 1 << n_halvings_most;
+  int n_successes = 0, tick = 0;
+  while (tick < n_ticks) {
+    const int length = 1 << (n_halvings_most - to.n_halvings);
+    const double start = static_cast<double>(tick) / n_ticks, end = static_cast<double>(tick + length) / n_ticks;
+    std::string why_not;
+    if (load_step(start, end, to.displacement, work, why_not)) {
+      tick += length;
+      ++work.n_substeps;
+      if (++n_successes >= 2 && to.n_halvings > 0 && tick % (2 * length) == 0) --to.n_halvings, n_successes = 0;
+      continue;
+    }
+    n_successes = 0;
+    if (to.n_halvings < n_halvings_most) {
+      ++to.n_halvings;
+      continue;
+    }
+    const std::string where = "solid, t = " + report::text(moment(start).time) + " s";
+    const std::string advice = "lower the load, or support the body so that it cannot move freely";
+    if (!control_.may_follow_path)
+      throw report::NumericsError(where, "a load step of " + report::text(duration * (end - start)) +
+                                             " s finds no equilibrium: " + why_not,
+                                  advice + "; allow the path to be followed by arc length");
+    double factor = start;
+    ArcLengthControl path = control_.path;
+    path.first_load_step = end - start;
+    const PathReport report =
+        follow_path(*this, path, to.displacement, factor, 1, [](const PathPoint&) { return true; });
+    work.n_iterations += report.n_iterations;
+    work.n_factorisations += report.n_factorisations;
+    work.n_substeps += report.n_arcs;
+    for (const double limit : report.limit_loads) work.limit_loads.push_back(moment(limit).time);
+    if (!report.has_reached_load)
+      throw report::NumericsError(where, "neither steps of the load nor its path by arc length reach t = " +
+                                             report::text(moment(1).time) + " s: " + why_not + "; " + report.failure,
+                                  advice);
+    tick = n_ticks;
+    to.n_halvings = 0;
+  }
+  finish(1, to);
+  // The factors with which the next step begins, and what they tell of this one.
+  const NodeVectors none(0, 4);
+  if (factorise(to.displacement, none) < 0) work.n_negative_pivots = n_negative_pivots();
+  ++work.n_factorisations;
+  to.factors = {body_->origin()};
+  return work;
+}
+
+PathReport StaticSolution::follow(const Motion& from, double duration, const surface::NodeArray& interface_force,
+                                  const ArcLengthControl& control,
+                                  const std::function<bool(const PathPoint&)>& visit, Motion& to) {
+  begin(from, duration, interface_force, to);
+  double factor = 0;
+  const PathReport report = follow_path(*this, control, to.displacement, factor, 1, visit);
+  finish(factor, to);
+  return report;
+}
+
+void StaticSolution::begin(const Motion& from, double duration, const surface::NodeArray& interface_force,
+                           Motion& to) {
+  to = from;
+  to.velocity.setZero();
+  to.acceleration.resize(0, 4);
+  start_time_ = from.time;
+  duration_ = duration;
+  interface_force_ = interface_force;
+  const surface::NodeArray nothing = surface::NodeArray::Zero(interface_force.rows(), 3);
+  body_->force().external().set_interface_load(from.has_interface_force ? from.interface_force : nothing,
+                                               interface_force);
+  if (from.factors.origin)
+    body_->factorise(from.factors.origin);
+  else
+    body_->forget_factors();
+}
+
+/// From an equilibrium at one load factor to the next. False, and u as it was, when there is none.
+bool StaticSolution::load_step(double factor_start, double factor_end, NodeVectors& u, StepWork& work,
+                               std::string& why_not) {
+  Newton newton(control_.newton);
+  NodeVectors end = u;
+  set_load(factor_end, end);
+  NodeVectors increment = end - u;  // of prescribed motions
+  const bool has_tangent = has_factors();
+  if (has_tangent) {
+    set_load(factor_start, end = u);
+    const NodeVectors tangent_step = (factor_end - factor_start) * solve(load_rate(u));
+    set_load(factor_end, end);
+    end += tangent_step;
+    increment = end - u;
+  }
+  const NewtonReport report = newton.solve(
+      *this, end, increment, has_tangent ? Newton::Factors::of_the_increment : Newton::Factors::unknown);
+  work.n_iterations += report.n_iterations;
+  work.n_factorisations += report.n_factorisations;
+  if (!report.has_converged()) {
+    why_not = report.inverted_element >= 0
+                  ? body_->mesh().describe_element(report.inverted_element) + " at rest is turned inside out"
+                  : report.sentence();
+    return false;
+  }
+  NodeVectors force;
+  Moment with_energy = moment(factor_end);
+  with_energy.with_energy = true;  // every law looks for inverted elements
+  if (const Index inverted = body_->forces(end, end, with_energy, force); inverted >= 0) {
+    why_not = body_->mesh().describe_element(inverted) + " at rest is turned inside out";
+    return false;
+  }
+  work.residual = std::max(work.residual, report.residual);
+  u.swap(end);
+  return true;
+}
+
+/// Force, energy and loads at the end of a step.
+void StaticSolution::finish(double factor, Motion& to) {
+  set_load(factor, to.displacement);
+  Moment end = moment(factor);
+  end.with_energy = true;
+  body_->forces(to.displacement, to.displacement, end, to.force);
+  to.time = end.time;
+  if (!to.has_interface_force) to.interface_force.setZero();
+  to.interface_force += factor * (interface_force_ - to.interface_force);
+  to.has_interface_force = true;
+}
+
+void StaticSolution::set_load(double factor, NodeVectors& u) {
+  factor_ = factor;
+  body_->held().hold(moment(factor).time, u);
+  external_size_ = body_->external_size(u, moment(factor));
+}
+
+void StaticSolution::evaluate(const NodeVectors& u, Residual& residual) {
+  NodeVectors force;
+  residual.inverted_element = body_->forces(u, u, moment(factor_), force);
+  residual.value = body_->free_part(force);
+  residual.scale = std::max(external_size_, body_->held_part(force).norm());
+}
+
+NodeVectors StaticSolution::load_rate(const NodeVectors& u) {
+  NodeVectors here, beyond, moved = u;
+  body_->forces(u, u, moment(factor_), here);
+  body_->held().hold(moment(factor_ + load_difference).time, moved);
+  body_->forces(moved, moved, moment(factor_ + load_difference), beyond);
+  return body_->free_part(beyond - here) / load_difference;
+}
+
+Index StaticSolution::factorise(const NodeVectors& u, const NodeVectors& increment) {
+  return body_->factorise(
+      std::make_shared<const FactorOrigin>(FactorOrigin{u, u, increment, moment(factor_).time, {1, 0}, 1}));
+}
+
+}  // namespace couplet::solid

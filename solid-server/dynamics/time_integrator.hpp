@@ -1,0 +1,54 @@
+#pragma once
+// What every way to advance a body answers.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "solid-server/dynamics/body_equations.hpp"
+#include "solid-server/dynamics/motion.hpp"
+
+namespace couplet::solid {
+
+/// What a step took.
+struct StepWork {
+  long n_substeps = 0;
+  long n_iterations = 0;      // of Newton's method
+  long n_factorisations = 0;  // of a tangent
+  double residual = 0;       // forces out of balance over their size, the worst accepted one; 0: explicit
+  int n_negative_pivots = 0;  // of the tangent at the end of a static step: 0 is stable
+  std::vector<double> limit_loads;  // times at which a static load turned
+
+  void add(const StepWork& step) {
+    n_substeps += step.n_substeps;
+    n_iterations += step.n_iterations;
+    n_factorisations += step.n_factorisations;
+    residual = std::max(residual, step.residual);
+    n_negative_pivots = step.n_negative_pivots;
+    limit_loads.insert(limit_loads.end(), step.limit_loads.begin(), step.limit_loads.end());
+  }
+};
+
+/// Equal steps in a duration, none of them longer than `largest` but for round-off.
+inline int n_equal_steps(double duration, double largest) {
+  return std::max(1, static_cast<int>(std::ceil(duration / largest * (1 - 1e-12))));
+}
+
+class TimeIntegrator {
+ public:
+  virtual ~TimeIntegrator() = default;
+
+  /// From one motion over `duration` [s] to another, under an interface force, (n wetted nodes, 3) [N], that varies
+  /// linearly in time to the one given at the end. `from` stays as it is, and equal arguments give equal bits, whatever
+  /// was asked in between. Throws NumericsError when it cannot.
+  virtual StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
+                           Motion& to) = 0;
+
+  virtual double kinetic_energy(const Motion& motion) const = 0;  // [J]
+  /// What supports exert on the body: inertia minus all other forces, on held components (n_nodes, 4) [N].
+  virtual NodeVectors support_force(const Motion& motion) const = 0;
+
+  virtual std::size_t memory_bytes() const = 0;
+};
+
+}  // namespace couplet::solid

@@ -1,0 +1,45 @@
+#include "solid-server/support/prescribed_motion.hpp"
+
+#include <map>
+
+namespace couplet::solid {
+
+HeldMotion::HeldMotion(const SolidMesh& mesh, const std::vector<PrescribedMotion>& motions) : motions_(motions) {
+  std::map<std::pair<Index, int>, std::size_t> motion_of;
+  for (std::size_t m = 0; m < motions.size(); ++m)
+    for (const Index node : mesh.find_nodes(motions[m].nodes, "solid.prescribed_motion[" + std::to_string(m) + "].nodes"))
+      motion_of.try_emplace({node, motions[m].axis}, m);
+  for (const auto& [component, motion] : motion_of) {
+    components_.push_back({component.first, component.second});
+    position_.push_back(mesh.node_position.row(component.first));
+    motion_.push_back(motion);
+  }
+}
+
+double HeldMotion::displacement(std::size_t n, double time) const {
+  return motions_[motion_[n]].displacement(position_[n], time);
+}
+
+double HeldMotion::velocity(std::size_t n, double time, double step) const {
+  return (displacement(n, time + step / 2) - displacement(n, time - step / 2)) / step;
+}
+
+double HeldMotion::acceleration(std::size_t n, double time, double step) const {
+  return (displacement(n, time + step) - 2 * displacement(n, time) + displacement(n, time - step)) / (step * step);
+}
+
+void HeldMotion::hold(double time, NodeVectors& u) const {
+  for (std::size_t n = 0; n < components_.size(); ++n) u(components_[n].node, components_[n].axis) = displacement(n, time);
+}
+
+void HeldMotion::hold_velocity(double time, double step, NodeVectors& v) const {
+  for (std::size_t n = 0; n < components_.size(); ++n)
+    v(components_[n].node, components_[n].axis) = velocity(n, time, step);
+}
+
+void HeldMotion::hold_acceleration(double time, double step, NodeVectors& a) const {
+  for (std::size_t n = 0; n < components_.size(); ++n)
+    a(components_[n].node, components_[n].axis) = acceleration(n, time, step);
+}
+
+}  // namespace couplet::solid
