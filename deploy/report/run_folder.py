@@ -58,7 +58,7 @@ class RunFolder:
 
     def bodies(self):
         """Displacements over time of all solid bodies. Shapes of free vibration, which stand under the name modes, are none."""
-        return [states for states in self._all_results(FACES) if "displacement" in states.field_names and states.name != "modes"]
+        return [states for states in self._all_results([*FACES, "mixed"]) if "displacement" in states.field_names and states.name != "modes"]
 
     def _all_results(self, shapes):
         for file in sorted((self.path / "results").glob("*.xmf")):

@@ -71,10 +71,10 @@ class Painter:
     def __init__(self, bodies, moments, may_enlarge=True):
         self.bodies, self.moments = bodies, moments
         self.faces = [outer_faces(body) for body in bodies]
-        self.used = [numpy.unique(faces) for faces in self.faces]
-        n_pieces = int(numpy.clip(numpy.sqrt(FACETS_OF_A_PICTURE / max(1, sum(map(len, self.faces)))), 1, 8))
-        self.grids = [face_grid(faces.shape[1], n_pieces) for faces in self.faces]
-        self.edge_opacity = float(numpy.clip(0.55 - sum(map(len, self.faces)) / 10000, 0.15, 0.5))
+        self.used = [numpy.unique(numpy.concatenate([faces.ravel() for faces in groups])) for groups in self.faces]
+        n_faces = sum(len(faces) for groups in self.faces for faces in groups)
+        self.n_pieces = int(numpy.clip(numpy.sqrt(FACETS_OF_A_PICTURE / max(1, n_faces)), 1, 8))
+        self.edge_opacity = float(numpy.clip(0.55 - n_faces / 10000, 0.15, 0.5))
         rest = numpy.concatenate([body.position[used] for body, used in zip(bodies, self.used)])
         self.size = float(numpy.linalg.norm(numpy.ptp(rest, axis=0)))
         moved = [self.displacement(b, moment)[self.used[b]] for b in range(len(bodies)) for moment in moments]
@@ -107,10 +107,9 @@ class Painter:
         margin = 0.03 * max(high - low)
         return numpy.array([low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin])
 
-    def _facets(self, b, moment, camera):
-        """Of one body, those turned to the viewer: outlines, colours, depths; then the same of the sides on edges of elements."""
-        weights, facets, borders = self.grids[b]
-        faces, displacement = self.faces[b], self.displacement(b, moment)
+    def _facets(self, b, faces, displacement, camera):
+        """Of some faces of a body, those turned to the viewer: outlines, colours, depths; then the same of the sides on edges of elements."""
+        weights, facets, borders = face_grid(faces.shape[1], self.n_pieces)
         point = numpy.einsum("pn,fnc->fpc", weights, self.bodies[b].position[faces] + self.enlarged * displacement[faces])
         amount = numpy.linalg.norm(numpy.einsum("pn,fnc->fpc", weights, displacement[faces]), axis=-1)
         corner = point[:, facets]  # (n_faces, n_facets, 4, 3)
@@ -139,11 +138,13 @@ class Painter:
 
     def draw(self, axes, moment, camera, limits):
         outlines, colour, order = [], [], []
-        for b in range(len(self.bodies)):
-            facets, facet_colour, facet_depth, sides, side_colour, side_depth = self._facets(b, moment, camera)
-            outlines += [facets, sides]
-            order += [facet_depth, side_depth + 1e-9 * self.size]
-            colour += [numpy.hstack([facet_colour, facet_colour]), numpy.hstack([numpy.zeros((len(sides), 4)), side_colour])]
+        for b, groups in enumerate(self.faces):
+            displacement = self.displacement(b, moment)
+            for faces in groups:
+                facets, facet_colour, facet_depth, sides, side_colour, side_depth = self._facets(b, faces, displacement, camera)
+                outlines += [facets, sides]
+                order += [facet_depth, side_depth + 1e-9 * self.size]
+                colour += [numpy.hstack([facet_colour, facet_colour]), numpy.hstack([numpy.zeros((len(sides), 4)), side_colour])]
         turn = numpy.argsort(numpy.concatenate(order), kind="stable")
         colour = numpy.concatenate(colour)[turn]
         axes.add_collection(PolyCollection(numpy.concatenate(outlines)[turn], facecolors=colour[:, :4], edgecolors=colour[:, 4:],

@@ -16,7 +16,7 @@ from solid_states import choose_moments
 ENERGIES = {"solid.kinetic_energy": "kinetic", "solid.strain_energy": "strain", "solid.contact_energy": "contact"}
 WORK = {"solid.external_work": "work of the loads", "solid.damping_work": "lost to damping"}
 CONTACT = {"solid.contact_force": "contact force", "solid.smallest_distance": "smallest distance"}
-STEPS = {"solid.substeps": "substeps", "solid.newton_iterations": "Newton iterations", "solid.residual": "out-of-balance force, relative",
+STEPS = {"solid.substeps": "substeps", "solid.newton_iterations": "Newton iterations", "solid.residual": "relative residual",
          "solid.negative_pivots": "negative pivots"}
 COUNTS = ("solid.substeps", "solid.newton_iterations", "solid.negative_pivots")
 REACTION = "solid.reaction."

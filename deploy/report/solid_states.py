@@ -19,16 +19,36 @@ def _with_midside_nodes(faces, edges):
 FACES = {"hexahedron20": _with_midside_nodes(HEXAHEDRON_FACES, HEXAHEDRON_EDGES), "hexahedron8": HEXAHEDRON_FACES,
          "tetrahedron10": _with_midside_nodes(TETRAHEDRON_FACES, TETRAHEDRON_EDGES)}
 NODES_PER_CELL = {"hexahedron20": 20, "hexahedron8": 8, "tetrahedron10": 10}
+SHAPE_OF_CODE = {48: "hexahedron20", 9: "hexahedron8", 38: "tetrahedron10"}  # numbers of XDMF, before each of mixed cells
+
+
+def cells_of(states):
+    """Cells of each shape, (n_cells, nodes of a cell): of mixed ones each stands after the number of its shape."""
+    if states.shape != "mixed":
+        return {states.shape: states.cell.reshape(-1, NODES_PER_CELL[states.shape])}
+    found, at = {}, 0
+    while at < len(states.cell):
+        shape = SHAPE_OF_CODE[int(states.cell[at])]
+        found.setdefault(shape, []).append(states.cell[at + 1:at + 1 + NODES_PER_CELL[shape]])
+        at += 1 + NODES_PER_CELL[shape]
+    return {shape: numpy.array(cells) for shape, cells in found.items()}
 
 
 def outer_faces(states):
-    """Faces that belong to one element only: (n_faces, nodes of a face), corners first, then the midside nodes of the edges 0-1, 1-2, ..."""
-    local = numpy.array(FACES[states.shape])
-    cell = states.cell.reshape(-1, NODES_PER_CELL[states.shape])
-    face = cell[:, local].reshape(-1, local.shape[1])
-    n_corners = 3 if states.shape == "tetrahedron10" else 4
-    _, place, count = numpy.unique(numpy.sort(face[:, :n_corners], axis=1), axis=0, return_index=True, return_counts=True)
-    return face[numpy.sort(place[count == 1])]
+    """Faces that belong to one element only, one array (n_faces, nodes of a face) for each shape of elements: corners first, then the
+    midside nodes of the edges 0-1, 1-2, ..."""
+    groups, corners = [], []
+    for shape, cell in cells_of(states).items():
+        local = numpy.array(FACES[shape])
+        face = cell[:, local].reshape(-1, local.shape[1])
+        groups.append(face)
+        key = numpy.sort(face[:, :3 if shape == "tetrahedron10" else 4], axis=1)
+        corners.append(key if key.shape[1] == 4 else numpy.hstack([numpy.full((len(key), 1), -1), key]))
+    _, place, count = numpy.unique(numpy.concatenate(corners), axis=0, return_index=True, return_counts=True)
+    is_outer = numpy.zeros(sum(map(len, groups)), dtype=bool)
+    is_outer[place[count == 1]] = True
+    ends = numpy.cumsum([len(face) for face in groups])
+    return [face[is_outer[end - len(face):end]] for face, end in zip(groups, ends)]
 
 
 def face_grid(n_face_nodes, n_pieces):

@@ -23,7 +23,7 @@ from solid_pictures import Camera, Painter, from_the_side, sensible_camera  # no
 from solid_sections import cycles_of_opening  # noqa: E402
 from solid_states import choose_moments, face_grid, outer_faces  # noqa: E402
 from synthetic_run import write_result  # noqa: E402
-from synthetic_solid_run import BOXES, CONTACT_SCENE, STATIC_SCENE, valve_area, write_contact_run, write_static_run, write_valve_run  # noqa: E402
+from synthetic_solid_run import BOXES, CONTACT_SCENE, STATIC_SCENE, mixed_boxes, valve_area, write_contact_run, write_static_run, write_valve_run  # noqa: E402
 
 
 class FolderTest(unittest.TestCase):
@@ -43,7 +43,7 @@ class SurfaceTest(unittest.TestCase):
     def test_encloses_the_volume_of_the_body_with_normals_outward(self):
         for shape, box in BOXES.items():
             position, cells = box(2, 1, 3, (2.0, 1.0, 3.0))
-            faces = outer_faces(SimpleNamespace(shape=shape, cell=cells))
+            faces, = outer_faces(SimpleNamespace(shape=shape, cell=cells))
             for n_pieces in (1, 3):
                 weights, facets, _ = face_grid(faces.shape[1], n_pieces)
                 corner = numpy.einsum("pn,fnc->fpc", weights, position[faces])[:, facets]
@@ -54,7 +54,15 @@ class SurfaceTest(unittest.TestCase):
     def test_has_only_the_faces_of_one_element(self):
         for shape, n_faces in (("hexahedron20", 22), ("hexahedron8", 22), ("tetrahedron10", 44)):
             _, cells = BOXES[shape](2, 1, 3, (2.0, 1.0, 3.0))
-            self.assertEqual(len(outer_faces(SimpleNamespace(shape=shape, cell=cells))), n_faces, shape)
+            faces, = outer_faces(SimpleNamespace(shape=shape, cell=cells))
+            self.assertEqual(len(faces), n_faces, shape)
+
+    def test_of_mixed_cells_has_the_faces_of_all_shapes(self):
+        position, cells = mixed_boxes()
+        faces = outer_faces(SimpleNamespace(shape="mixed", cell=cells))
+        self.assertEqual([part.shape for part in faces], [(6, 8), (6, 4), (12, 6)])
+        self.assertEqual(len(numpy.unique(numpy.concatenate([part.ravel() for part in faces]))), 20 + 8 + 8 + 18)  # of the outer surface
+        self.assertLess(max(part.max() for part in faces), len(position))
 
     def test_borders_of_a_face_are_its_edges(self):
         for n_face_nodes, length in ((4, 8.0), (8, 8.0), (6, 2 + 2**0.5)):
@@ -101,8 +109,8 @@ class PictureTest(FolderTest):
     def test_shows_what_faces_the_viewer_only(self):
         painter = self.painter(0.1)
         for towards, n_sides in (((0, 0, 1), 1), ((1, 0, 1), 2), ((1, 1, 1), 3)):
-            outlines = painter._facets(0, 0, Camera(towards, (0, 1, 0)))[0]
-            self.assertEqual(len(outlines), n_sides * 4 * len(painter.grids[0][1]), towards)
+            outlines = painter._facets(0, painter.faces[0][0], painter.displacement(0, 0), Camera(towards, (0, 1, 0)))[0]
+            self.assertEqual(len(outlines), n_sides * 4 * painter.n_pieces**2, towards)
 
     def test_enlarges_what_could_not_be_seen_by_a_round_factor(self):
         self.assertEqual(self.painter(0.1).enlarged, 1)
@@ -145,6 +153,11 @@ class PageTest(FolderTest):
         for shape in BOXES:
             page = report_page(RunFolder(write_contact_run(self.folder / shape, (shape, shape))))
             self.assertEqual(page.count("data:image/png;base64,"), 1, shape)
+
+    def test_of_mixed_cells(self):
+        position, cells = mixed_boxes()
+        write_result(self.folder / "results", "body", "mixed", position, cells, [0.0, 1.0], lambda t: {"displacement": t * position})
+        self.assertIn("<h2>The body</h2>", report_page(RunFolder(self.folder)))
 
     def test_of_a_valve(self):
         found = sections_of(report_page(RunFolder(write_valve_run(self.folder / "run"))))

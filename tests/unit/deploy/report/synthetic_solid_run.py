@@ -33,6 +33,21 @@ def tet10_box(n_x, n_y, n_z, length):
 BOXES = {"hexahedron20": hex20_box, "hexahedron8": hex8_box, "tetrahedron10": tet10_box}
 
 
+CODES = {"hexahedron20": 48, "hexahedron8": 9, "tetrahedron10": 38}
+
+
+def mixed_boxes():
+    """A cube of each shape beside the other: node positions, and cells as the file of mixed ones holds them."""
+    positions, cells = [], []
+    for shape, box in BOXES.items():
+        position, cell = box(1, 1, 1, (1.0, 1.0, 1.0))
+        n_cells = 6 if shape == "tetrahedron10" else 1
+        cell = cell.reshape(n_cells, -1) + sum(map(len, positions))
+        cells.append(numpy.hstack([numpy.full((n_cells, 1), CODES[shape]), cell]).ravel())
+        positions.append(position + [2.0 * len(positions), 0, 0])
+    return numpy.concatenate(positions), numpy.concatenate(cells)
+
+
 def write_table(path, columns):
     numpy.savetxt(path, numpy.array(list(columns.values())).T, delimiter=",", header=",".join(columns), comments="")
 
