@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/solid_model.hpp"
 
 namespace couplet::solid {

@@ -9,7 +9,7 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/element/quadrature.hpp"
 #include "solid-server/element/shape_functions.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/solid_model.hpp"
 
 namespace couplet::solid {

@@ -9,8 +9,8 @@
 #include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
 #include "solid-server/mesh/hex20_topology.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

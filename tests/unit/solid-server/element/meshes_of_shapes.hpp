@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 
