@@ -39,6 +39,16 @@ def run(couplet, scene, folder, settings, options=()):
     return done.returncode
 
 
+def run_text(couplet, text, folder, settings=(), options=()):
+    """Writes a scene beside its folder and runs it, anew when the text is another one; returns the exit code."""
+    scene = folder.with_name(folder.name + ".txtpb")
+    if not scene.exists() or scene.read_text() != text:
+        scene.parent.mkdir(parents=True, exist_ok=True)
+        scene.write_text(text)
+        (folder / "exit_code.txt").unlink(missing_ok=True)
+    return run(couplet, scene, folder, settings, ["--no-report", *options])
+
+
 def read_history(folder):
     """The columns of history.csv by name, without units."""
     with open(folder / "history.csv") as file:
