@@ -1,5 +1,6 @@
 #include "solid-server/solid_model.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 #include "proto/report/failure.hpp"
@@ -172,6 +173,16 @@ const SolidState& SolidModel::accepted() const {
 SolidEnergy SolidModel::energy() const {
   return parts_->energy;
 }
+Eigen::Vector3d SolidModel::angular_momentum() const {
+  const Motion& motion = parts_->accepted.motion;
+  const NodeVectors momentum = parts_->integrator->mass_times(motion.velocity);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Index n = 0; n < momentum.rows(); ++n) {
+    const Eigen::Vector3d x = parts_->setup.mesh.node_position.row(n) + motion.displacement.row(n).head<3>();
+    sum += x.cross(Eigen::Vector3d(momentum.row(n).head<3>()));
+  }
+  return sum;
+}
 std::vector<Reaction> SolidModel::reactions() const {
   const NodeVectors force = parts_->integrator->support_force(parts_->accepted.motion);
   std::vector<Reaction> reactions;
@@ -214,7 +225,7 @@ void SolidModel::accept_step() {
   Parts& p = *parts_;
   std::swap(p.accepted.motion, p.trial.motion);
   const Motion& motion = p.accepted.motion;
-  p.energy.kinetic = p.integrator->kinetic_energy(motion);
+  p.energy.kinetic = p.integrator->mass_times(motion.velocity).cwiseProduct(motion.velocity).sum() / 2;
   p.energy.strain = p.force.strain_energy();
   const auto contact = p.force.external().contact_total(motion.displacement.data());
   p.energy.contact = contact.energy;

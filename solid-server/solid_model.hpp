@@ -97,9 +97,10 @@ class SolidModel {
   void note_why_method(std::string reason);  // a sentence that checkpoints keep
   void resume(SolidState state);             // sizes must be those of accepted(); the method becomes that of the state
 
-  int n_substeps(double duration) const;    // that a step of this duration [s] takes now, when nothing goes wrong
-  SolidEnergy energy() const;               // of the last accepted step
-  std::vector<Reaction> reactions() const;  // in the accepted state, of each support
+  int n_substeps(double duration) const;     // that a step of this duration [s] takes now, when nothing goes wrong
+  SolidEnergy energy() const;                // of the last accepted step
+  Eigen::Vector3d angular_momentum() const;  // of the accepted state about the origin [kg m^2/s]
+  std::vector<Reaction> reactions() const;   // in the accepted state, of each support
   const StepWork& work_of_last_step() const;
   /// What implicit steps of this duration [s] cost. Only with the generalized-alpha method.
   ImplicitCost implicit_cost(double duration);

@@ -1,6 +1,7 @@
 #include "solid-server/assembly/sparse_cholesky.hpp"
 
 #include <cholmod.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,9 @@ struct Session {
   cholmod_common common{};
 
   Session() {
+    // CHOLMOD copies entries by four threads, however many cores there are; they wait awake and take the cores from
+    // others.
+    omp_set_max_active_levels(0);
     cholmod_l_start(&common);
     common.print = 0;
     common.nmethods = 2;

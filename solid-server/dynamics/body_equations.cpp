@@ -26,6 +26,12 @@ Index BodyEquations::forces(const NodeVectors& strained, const NodeVectors& disp
   double* const force = out.data();
   const auto keep = [force](Index node, const NodeQuad& sum) { std::memcpy(force + 4 * node, &sum, sizeof sum); };
   team_.run([&](int member) {
+    if (force_.has_surface_contact()) {
+      if (member == 0) force_.search_contact(displacement.data());
+      team_.barrier();
+      force_.find_gaps(member);
+      team_.barrier();
+    }
     force_.write_external_parts(member, displacement.data(), moment);
     team_.barrier();
     force_.sweep(member, strained.data(), moment, keep);

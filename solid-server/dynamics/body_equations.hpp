@@ -27,9 +27,6 @@ class BodyEquations {
 
   const SolidMesh& mesh() const { return mesh_; }
   NodeVectors mass_times(const NodeVectors& vector) const { return tangent_->mass_times_on_all(vector); }
-  double kinetic_energy(const NodeVectors& velocity) const {
-    return mass_times(velocity).cwiseProduct(velocity).sum() / 2;
-  }
   const HeldMotion& held() const { return held_; }
   NodalForce& force() { return force_; }
   double length() const { return length_; }  // the longest side of the box around the body [m]

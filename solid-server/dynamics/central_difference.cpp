@@ -90,12 +90,6 @@ void CentralDifference::hold(int k, Motion& to) {
     note_strained(node, quad(to.displacement.data(), node), quad(to.velocity.data(), node));
 }
 
-double CentralDifference::kinetic_energy(const Motion& motion) const {
-  double sum = 0;
-  for (Eigen::Index n = 0; n < mass_.size(); ++n) sum += mass_[n] * motion.velocity.row(n).squaredNorm();
-  return sum / 2;
-}
-
 NodeVectors CentralDifference::support_force(const Motion& motion) const {
   NodeVectors force = -motion.force;
   for (std::size_t n = 0; n < held_.components().size(); ++n) {

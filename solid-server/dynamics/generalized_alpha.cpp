@@ -270,7 +270,7 @@ ImplicitCost GeneralizedAlpha::measure(const Motion& motion, double duration) {
   double eigenvalue = 0;  // of (K + shift M) x = eigenvalue M x
   for (int n = 0; n < n_iterations; ++n) {
     const NodeVectors push = body_->mass_times(mode), next = body_->free_part(body_->solve(push));
-    eigenvalue = next.cwiseProduct(push).sum() / (2 * body_->kinetic_energy(next));
+    eigenvalue = next.cwiseProduct(push).sum() / next.cwiseProduct(body_->mass_times(next)).sum();
     mode = next / next.norm();
   }
   cost.lowest_rate = std::sqrt(std::max(eigenvalue - shift, 0.0));

@@ -41,7 +41,7 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
                    ImplicitControl control);
 
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
-  double kinetic_energy(const Motion& motion) const override { return body_->kinetic_energy(motion.velocity); }
+  NodeVectors mass_times(const NodeVectors& vector) const override { return body_->mass_times(vector); }
   NodeVectors support_force(const Motion& motion) const override;
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }

@@ -10,6 +10,7 @@ NodalForce::NodalForce(const SolidMesh& mesh, const std::vector<BlockProperties>
     : n_nodes_(mesh.n_nodes()), n_members_(n_members), external_(std::move(external)) {
   for (std::size_t b = 0; b < mesh.block.size(); ++b) {
     const BlockProperties& property = properties[b];
+    check_formulation("solid.body", mesh.block[b].shape, property.formulation, property.material);
     Block& block = blocks_.emplace_back();
     block.material = property.material;
     block.elements = make_element_packs(mesh, mesh.block[b], property.n_points, property.formulation);

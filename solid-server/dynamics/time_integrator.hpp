@@ -44,7 +44,8 @@ class TimeIntegrator {
   virtual StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
                            Motion& to) = 0;
 
-  virtual double kinetic_energy(const Motion& motion) const = 0;  // [J]
+  /// Mass times a velocity or an acceleration, with the mass that the method moves, (n_nodes, 4).
+  virtual NodeVectors mass_times(const NodeVectors& vector) const = 0;
   /// What supports exert on the body: inertia minus all other forces, on held components (n_nodes, 4) [N].
   virtual NodeVectors support_force(const Motion& motion) const = 0;
 

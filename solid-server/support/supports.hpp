@@ -17,7 +17,7 @@ struct SymmetrySurface {
 struct Supports {
   std::vector<std::string> fixed;  // surfaces whose nodes do not move
   std::vector<SymmetrySurface> symmetry;
-  std::vector<PrescribedMotion> prescribed;
+  std::vector<PrescribedMotion> prescribed = {};
 };
 
 /// A named support, and the components that it holds. A component that several name belongs to the first: prescribed
