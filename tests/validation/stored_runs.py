@@ -100,3 +100,18 @@ def report(rows, json_file):
     n_outside = sum(r["verdict"] == "outside" for r in rows)
     print(f"{len(rows) - n_outside} rows inside or without a band, {n_outside} outside")
     return 1 if n_outside else 0
+
+
+def report_cases(cases, json_file):
+    """The rows of every case, of which one may end with a RuntimeError without stopping the others; as report."""
+    rows, failures = [], []
+    for name, case in cases.items():
+        try:
+            for row_of_case in case():
+                rows.append(row_of_case)
+        except RuntimeError as failure:
+            failures.append(f"{name}: {failure}")
+    code = report(rows, json_file)
+    for failure in failures:
+        print(failure)
+    return 1 if failures else code
