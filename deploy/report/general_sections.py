@@ -261,7 +261,7 @@ def cost(run):
     for name in names:
         entry = dict(programs[name])
         worked, memory = entry.pop("seconds", None), entry.pop("peak_memory_bytes", None)
-        more = ", ".join(f"{key.replace('_', ' ')} {number(value, 4)}" for key, value in entry.items())
+        more = ", ".join(f"{key.replace('_', ' ')} {number(value, 4)}" for key, value in entry.items() if not isinstance(value, str))
         rows.append((name, number(worked, 4), number(100 * worked / wall, 3) if wall and worked is not None else "–",
                      number(memory / 2**20, 4) if memory else "–", more))
     return section("Time spent where", figure(svg_of(chart, "cost"), "Seconds that each program worked; what is missing to the wall time is waiting."),

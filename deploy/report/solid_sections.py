@@ -1,5 +1,7 @@
 """What the page of a solid shows: pictures of its bodies, loads, open areas, energy, contact, reactions, work of its steps."""
 
+from html import escape
+
 import numpy
 from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
@@ -17,8 +19,8 @@ ENERGIES = {"solid.kinetic_energy": "kinetic", "solid.strain_energy": "strain", 
 WORK = {"solid.external_work": "work of the loads", "solid.damping_work": "lost to damping"}
 CONTACT = {"solid.contact_force": "contact force", "solid.smallest_distance": "smallest distance"}
 STEPS = {"solid.substeps": "substeps", "solid.newton_iterations": "Newton iterations", "solid.residual": "relative residual",
-         "solid.negative_pivots": "negative pivots"}
-COUNTS = ("solid.substeps", "solid.newton_iterations", "solid.negative_pivots")
+         "solid.negative_pivots": "negative pivots", "solid.softened_elements": "softened elements"}
+COUNTS = ("solid.substeps", "solid.newton_iterations", "solid.negative_pivots", "solid.softened_elements")
 REACTION = "solid.reaction."
 OPEN_FROM, OPEN_TO = 0.1, 0.9  # of the largest area: between them an orifice is opening or closing
 N_PICTURES = 6
@@ -280,7 +282,8 @@ def steps(run):
         return ""
     entry = run.summary.get("programs", {}).get("solid-server", {})
     size = [(words, number(int(entry[name]))) for name, words in (("elements", "elements"), ("nodes", "nodes")) if entry.get(name)]
-    return section("Steps of the solid", figure(_plots(run, changing, "solid-steps", STEPS), "Over time.") if changing else "",
+    reason = entry.get("time_integration")
+    return section("Steps of the solid", f"<p>Time integration: {escape(reason)}.</p>" if reason else "", figure(_plots(run, changing, "solid-steps", STEPS), "Over time.") if changing else "",
                    table((), size + constant, numbers=(1,)) if size or constant else "")
 
 

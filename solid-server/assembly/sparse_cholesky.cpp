@@ -8,6 +8,7 @@
 #include <string>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/machine_memory.hpp"
 
 namespace couplet::solid {
 
@@ -48,10 +49,9 @@ struct FreeDense {
 using Dense = std::unique_ptr<cholmod_dense, FreeDense>;
 
 [[noreturn]] void refuse_singular() {
-  throw report::NumericsError(
-      "linear system", "the tangent stiffness is singular",
-      "a part of a body is free to move or to turn without resistance: fix it, or give it mass by "
-      "a dynamic time integration");
+  throw SingularMatrix("linear system", "the tangent stiffness is singular",
+                       "a part of a body is free to move or to turn without resistance: fix it, or give it mass by "
+                       "a dynamic time integration");
 }
 
 }  // namespace
@@ -122,10 +122,13 @@ cholmod_sparse SparseCholesky::Parts::matrix() {
 }
 
 void SparseCholesky::Parts::check_memory() const {
-  if (session.common.status != CHOLMOD_OUT_OF_MEMORY && session.common.status != CHOLMOD_TOO_LARGE) return;
+  const double factor_bytes = 8 * static_cast<double>(n_factor_entries);
+  if (session.common.status != CHOLMOD_OUT_OF_MEMORY && session.common.status != CHOLMOD_TOO_LARGE &&
+      factor_bytes < machine_memory())
+    return;
   throw report::NumericsError("linear system",
                               "there is no memory for the factors of " + std::to_string(n_unknowns()) + " unknowns, " +
-                                  report::text(8e-9 * static_cast<double>(n_factor_entries)) + " GB",
+                                  report::text(1e-9 * factor_bytes) + " GB",
                               "take a coarser mesh, a larger machine, or the explicit central difference method");
 }
 

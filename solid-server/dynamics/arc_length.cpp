@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/sparse_cholesky.hpp"
 
 namespace couplet::solid {
 
@@ -50,7 +51,11 @@ class Path {
 
 bool Path::factorise(const NodeVectors& at, const NodeVectors& increment) {
   ++report_.n_factorisations;
-  return system_.factorise(at, increment) < 0;
+  try {
+    return system_.factorise(at, increment) < 0;
+  } catch (const SingularMatrix&) {
+    return false;
+  }
 }
 
 /// The tangent of the path at the point, and the stability of the point.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/sparse_cholesky.hpp"
 
 namespace couplet::solid {
 
@@ -28,7 +29,13 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
     const double start = static_cast<double>(tick) / n_ticks, end = static_cast<double>(tick + length) / n_ticks;
     std::string why_not;
     const NodeVectors before = to.displacement;
-    if (load_step(start, end, to.displacement, work, why_not)) {
+    bool has_equilibrium = false;
+    try {
+      has_equilibrium = load_step(start, end, to.displacement, work, why_not);
+    } catch (const SingularMatrix& singular) {
+      why_not = singular.sentence();
+    }
+    if (has_equilibrium) {
       tick += length;
       last_change = (to.displacement - before).norm();
       ++work.n_substeps;
@@ -167,6 +174,7 @@ void StaticSolution::finish(double factor, Motion& to) {
 
 void StaticSolution::set_load(double factor, NodeVectors& u) {
   factor_ = factor;
+  body_->held().check_finite(moment(factor).time);
   body_->held().hold(moment(factor).time, u);
   external_size_ = body_->external_size(u, moment(factor));
 }

@@ -4,8 +4,17 @@
 
 namespace couplet::solid {
 
-Index internal_force(const ElementPacks& packs, const Material& material, Index first, Index last,
-                     const double* displacement, StoredPack* force, StoredPack* energy) {
+void note_softened(const ElementPacks& packs, Index p, const PackMask& is_stiff, ElementFindings& findings) {
+  for (int lane = 0; lane < n_lanes; ++lane) {
+    const Index element = packs.lane_element[static_cast<std::size_t>(p * n_lanes + lane)];
+    if (is_stiff[lane] != 0 || element < 0) continue;  // a lane that fills up the last pack has no element
+    if (findings.softened < 0 || element < findings.softened) findings.softened = element;
+    ++findings.n_softened;
+  }
+}
+
+ElementFindings internal_force(const ElementPacks& packs, const Material& material, Index first, Index last,
+                               const double* displacement, StoredPack* force, StoredPack* energy) {
   const ForceRequest request{packs, first, last, displacement, force, energy};
   switch (packs.formulation) {
     case ElementFormulation::standard:

@@ -68,9 +68,9 @@ struct ProjectedVolume {
 
 }  // namespace
 
-Index near_incompressible_force(const ForceRequest& request, const Material& material) {
+ElementFindings near_incompressible_force(const ForceRequest& request, const Material& material) {
   return std::visit(
-      [&]<class Law>(const Law& law) -> Index {
+      [&]<class Law>(const Law& law) -> ElementFindings {
         if constexpr (Law::has_volumetric_part) {
           if (request.packs.shape == ElementShape::tetrahedron10)
             return force_of_packs<ProjectedVolume<AnyPointGradient<10, 4>>>(request, law);

@@ -2,9 +2,7 @@
 // What the internal-force kernels of all formulations share: eight elements from memory to packs and back. Each
 // formulation has a file of its own, so that they compile side by side.
 
-#include "solid-server/element/element_packs.hpp"
-#include "solid-server/element/lane_transpose.hpp"
-#include "solid-server/material/material.hpp"
+#include "solid-server/element/internal_force.hpp"
 
 namespace couplet::solid {
 
@@ -18,9 +16,9 @@ struct ForceRequest {
 };
 
 /// internal_force of one formulation.
-Index standard_force(const ForceRequest& request, const Material& material);
-Index near_incompressible_force(const ForceRequest& request, const Material& material);
-Index stabilised_force(const ForceRequest& request, const Material& material);
+ElementFindings standard_force(const ForceRequest& request, const Material& material);
+ElementFindings near_incompressible_force(const ForceRequest& request, const Material& material);
+ElementFindings stabilised_force(const ForceRequest& request, const Material& material);
 
 template <int n_nodes>
 using NodePacks = Pack[n_nodes][3];
@@ -60,6 +58,7 @@ struct PointGeometry {
 struct PackSum {
   Pack energy{};
   PackMask is_sound = Pack{} == 0.0;
+  PackMask is_stiff = Pack{} == 0.0;  // looked at with energy
 };
 
 template <class Law>
@@ -79,13 +78,22 @@ template <class Law>
   return packs.lane_element[static_cast<std::size_t>(p * n_lanes + lane)];
 }
 
+/// Adds the elements of a pack that are no longer stiff.
+void note_softened(const ElementPacks& packs, Index p, const PackMask& is_stiff, ElementFindings& findings);
+
+/// Whether the law loses its stiffness at a point of eight elements.
+template <class Law>
+[[gnu::always_inline]] inline void note_stiffness(const Law& law, const Tensor<Pack>& F, PackSum& sum) {
+  if constexpr (Law::may_lose_stiffness) sum.is_stiff &= !law.loses_stiffness(F);
+}
+
 /// Goes through the packs; Element::force<with_energy>(packs, law, axes, geometry, u, f) answers for one, from the
 /// displacements u of its nodes to their forces f.
 template <class Element, bool with_energy, class Law>
-Index force_of_packs(const ForceRequest& request, const Law& law) {
+ElementFindings force_of_packs(const ForceRequest& request, const Law& law) {
   constexpr int n_nodes = Element::n_nodes;
   const ElementPacks& packs = request.packs;
-  Index first_unsound = -1;
+  ElementFindings findings;
   for (Index p = request.first; p < request.last; ++p) {
     NodePacks<n_nodes> u, f;
     const Index* start = &packs.node_start[static_cast<std::size_t>(p) * n_nodes * n_lanes];
@@ -98,14 +106,17 @@ Index force_of_packs(const ForceRequest& request, const Law& law) {
     StoredPack* out = request.force + static_cast<std::size_t>((p - request.first) * packs.packs_of_force());
     for (int a = 0; a < n_nodes; ++a) store_nodes(f[a][0], f[a][1], f[a][2], out + 4 * a);
     if constexpr (with_energy) store(sum.energy, request.energy[p]);
-    if (first_unsound < 0 && !all_true(sum.is_sound)) [[unlikely]]
-      first_unsound = first_unsound_element(packs, p, sum.is_sound);
+    if (findings.inverted < 0 && !all_true(sum.is_sound)) [[unlikely]]
+      findings.inverted = first_unsound_element(packs, p, sum.is_sound);
+    if constexpr (with_energy && Law::may_lose_stiffness)
+      if (!all_true(sum.is_stiff)) [[unlikely]]
+        note_softened(packs, p, sum.is_stiff, findings);
   }
-  return first_unsound;
+  return findings;
 }
 
 template <class Element, class Law>
-Index force_of_packs(const ForceRequest& request, const Law& law) {
+ElementFindings force_of_packs(const ForceRequest& request, const Law& law) {
   return request.energy ? force_of_packs<Element, true>(request, law) : force_of_packs<Element, false>(request, law);
 }
 

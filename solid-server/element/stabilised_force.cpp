@@ -48,6 +48,7 @@ struct StabilisedHexahedron {
 
     PackSum total;
     if constexpr (with_energy) total.energy = volume * energy_of(law, now.F, axes) + resultant.energy;
+    if constexpr (with_energy) note_stiffness(law, now.F, total);
     if constexpr (with_energy || Law::needs_positive_volume) total.is_sound = determinant(now.F, cofactor(now.F)) > 0.0;
     return total;
   }
@@ -55,7 +56,7 @@ struct StabilisedHexahedron {
 
 }  // namespace
 
-Index stabilised_force(const ForceRequest& request, const Material& material) {
+ElementFindings stabilised_force(const ForceRequest& request, const Material& material) {
   return std::visit([&](const auto& law) { return force_of_packs<StabilisedHexahedron>(request, law); }, material);
 }
 

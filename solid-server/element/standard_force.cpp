@@ -14,6 +14,7 @@ template <bool with_energy, class Law>
   const Tensor<Pack> F = deformation_gradient(slope, g);
   flux_of_stress(stress_of(law, F, axes), g, flux);
   if constexpr (with_energy) sum.energy += g.volume * energy_of(law, F, axes);
+  if constexpr (with_energy) note_stiffness(law, F, sum);
   if constexpr (with_energy || Law::needs_positive_volume) sum.is_sound &= determinant(F, cofactor(F)) > 0.0;
 }
 
@@ -62,7 +63,7 @@ struct AnyPoints {
 
 }  // namespace
 
-Index standard_force(const ForceRequest& request, const Material& material) {
+ElementFindings standard_force(const ForceRequest& request, const Material& material) {
   return std::visit(
       [&](const auto& law) {
         switch (request.packs.shape) {

@@ -6,9 +6,11 @@
 #include "proto/report/failure.hpp"
 #include "proto/scene/expression.hpp"
 #include "proto/scene/make_time_table.hpp"
+#include "solid-server/assembly/machine_memory.hpp"
 #include "solid-server/mesh/fibre_rule.hpp"
 #include "solid-server/service/make_material.hpp"
 #include "solid-server/service/make_mesh.hpp"
+#include "solid-server/service/mesh_size.hpp"
 
 namespace couplet::solid {
 
@@ -190,6 +192,7 @@ void set_time_integration(const v1::TimeIntegration& given, SolidSetup& setup) {
 
 SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene_folder) {
   refuse_different_damping(solid);
+  refuse_too_many_elements(solid, machine_memory());
   SolidSetup setup;
   std::vector<SolidMesh> meshes;
   std::vector<std::string> names;
