@@ -14,6 +14,12 @@ constexpr int n_iterations_assumed = 4, n_factorisations_assumed = 1;
 constexpr double steps_per_period = 20;
 constexpr int n_substeps_measured = 20, n_repetitions = 3;
 
+double seconds_of(const ImplicitCost& cost) {
+  return n_iterations_assumed * cost.iteration_seconds + n_factorisations_assumed * cost.factorisation_seconds;
+}
+
+}  // namespace
+
 double seconds_of_substep(SolidModel& model, double step) {
   using Clock = std::chrono::steady_clock;
   const int n = std::min(model.n_substeps(step), n_substeps_measured);
@@ -28,7 +34,9 @@ double seconds_of_substep(SolidModel& model, double step) {
   return fastest;
 }
 
-}  // namespace
+double seconds_of_implicit_substep(SolidModel& model, double step) {
+  return seconds_of(model.implicit_cost(step));
+}
 
 TimeMethodChoice choose_time_method(SolidSetup setup, double step) {
   TimeMethodChoice choice;
@@ -37,10 +45,23 @@ TimeMethodChoice choose_time_method(SolidSetup setup, double step) {
   const int n_substeps = by_substeps.n_substeps(step);
   choice.seconds_explicit = n_substeps * seconds_of_substep(by_substeps, step);
   setup.method = TimeMethod::generalized_alpha;
-  SolidModel by_iterations(std::move(setup));
-  const ImplicitCost cost = by_iterations.implicit_cost(step);
-  choice.seconds_implicit = by_iterations.n_substeps(step) * (n_iterations_assumed * cost.iteration_seconds +
-                                                              n_factorisations_assumed * cost.factorisation_seconds);
+  ImplicitCost cost;
+  try {
+    SolidModel by_iterations(std::move(setup));
+    const int n_implicit = by_iterations.n_substeps(step);
+    if (const double least = n_implicit * by_iterations.least_factorisation_seconds();
+        least > choice.seconds_explicit) {  // not worth a try, which would take as long
+      choice.reason = "CENTRAL_DIFFERENCE, because a step takes about " + report::text(choice.seconds_explicit) +
+                      " s with " + std::to_string(n_substeps) +
+                      " explicit substeps and a single factorisation at least " + report::text(least) + " s";
+      return choice;
+    }
+    cost = by_iterations.implicit_cost(step);
+    choice.seconds_implicit = n_implicit * seconds_of(cost);
+  } catch (const report::NumericsError& failure) {
+    choice.reason = "CENTRAL_DIFFERENCE, because of an implicit step " + failure.sentence();
+    return choice;
+  }
 
   const double period = 2 * std::numbers::pi / cost.lowest_rate;
   const bool is_resolved = step * steps_per_period <= period,

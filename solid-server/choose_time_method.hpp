@@ -17,7 +17,15 @@ struct TimeMethodChoice {
 /// least 20 steps a period: faster modes are then damped by the spectral radius, not followed. A body that is free as a
 /// whole counts as slow.
 ///
+/// A step that cannot be taken implicitly, because there is no memory for its factors, say, is taken explicitly.
+///
 /// Clocks decide, so two runs may differ; a run keeps its choice in its checkpoints.
 TimeMethodChoice choose_time_method(SolidSetup setup, double step);
+
+/// Measured on the accepted state of an explicit model, which stays as it is [s].
+double seconds_of_substep(SolidModel& model, double step);
+
+/// Of a substep by Newton's method, as assumed above, from a factorisation and an iteration at the accepted state [s].
+double seconds_of_implicit_substep(SolidModel& model, double step);
 
 }  // namespace couplet::solid

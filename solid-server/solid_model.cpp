@@ -1,5 +1,7 @@
 #include "solid-server/solid_model.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 #include "proto/report/failure.hpp"
@@ -30,8 +32,16 @@ std::vector<KickVelocity> kick_velocities(const SolidMesh& mesh, const std::vect
   std::vector<KickVelocity> velocities;
   for (const Kick& kick : kicks) {
     velocities.push_back({kick.time, NodeVectors::Zero(mesh.n_nodes(), 4)});
-    for (Index n = 0; n < mesh.n_nodes(); ++n)
-      velocities.back().velocity.row(n).head<3>() = kick.velocity(mesh.node_position.row(n));
+    for (Index n = 0; n < mesh.n_nodes(); ++n) {
+      const Eigen::Vector3d velocity = kick.velocity(mesh.node_position.row(n));
+      if (!velocity.allFinite())
+        throw report::SceneError("solid.kick[" + std::to_string(velocities.size() - 1) + "].velocity",
+                                 "the formulas give (" + report::text(velocity.x()) + ", " +
+                                     report::text(velocity.y()) + ", " + report::text(velocity.z()) + ") m/s at " +
+                                     place_text(mesh.node_position.row(n)),
+                                 "mend them: every node needs a finite velocity");
+      velocities.back().velocity.row(n).head<3>() = velocity;
+    }
   }
   return velocities;
 }
@@ -82,12 +92,13 @@ struct SolidModel::Parts {
   NodalForce force;
   WorkTeam team;
   CentralDifference* central_difference = nullptr;  // the integrator, when it is this one
-  GeneralizedAlpha* generalized_alpha = nullptr;    // or this one
+  BodyEquations* equations = nullptr;               // of any other
   std::unique_ptr<TimeIntegrator> integrator;
   double smallest_length;       // [m]
   double contact_rate_squared;  // bound of contact's part of omega_max^2 [1/s^2]
   SolidState accepted, trial;
   SolidEnergy energy;
+  SoftenedElements softened;
   StepWork work_last, work_total;
 
   explicit Parts(SolidSetup s)
@@ -115,11 +126,10 @@ struct SolidModel::Parts {
     }
     auto body = std::make_unique<BodyEquations>(setup.mesh, setup.properties, free_components(inverse_mass),
                                                 std::move(held), force, team);
+    equations = body.get();
     if (setup.method == TimeMethod::static_equilibrium)
       return std::make_unique<StaticSolution>(std::move(body), setup.statics);
-    auto made = std::make_unique<GeneralizedAlpha>(std::move(body), setup.damping, std::move(kicks), setup.implicit);
-    generalized_alpha = made.get();
-    return made;
+    return std::make_unique<GeneralizedAlpha>(std::move(body), setup.damping, std::move(kicks), setup.implicit);
   }
 
   /// Only the central difference method has a limit.
@@ -172,6 +182,29 @@ const SolidState& SolidModel::accepted() const {
 SolidEnergy SolidModel::energy() const {
   return parts_->energy;
 }
+double SolidModel::contact_force_at_rest() const {
+  const NodeVectors at_rest = NodeVectors::Zero(parts_->setup.mesh.n_nodes(), 4);
+  return parts_->force.external().contact_total(at_rest.data()).force;
+}
+bool SolidModel::may_lose_stiffness() const {
+  const auto may = [](const BlockProperties& block) {
+    return std::visit([](const auto& law) { return law.may_lose_stiffness; }, block.material);
+  };
+  return std::any_of(parts_->setup.properties.begin(), parts_->setup.properties.end(), may);
+}
+SoftenedElements SolidModel::softened() const {
+  return parts_->softened;
+}
+Eigen::Vector3d SolidModel::angular_momentum() const {
+  const Motion& motion = parts_->accepted.motion;
+  const NodeVectors momentum = parts_->integrator->mass_times(motion.velocity);
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Index n = 0; n < momentum.rows(); ++n) {
+    const Eigen::Vector3d x = parts_->setup.mesh.node_position.row(n) + motion.displacement.row(n).head<3>();
+    sum += x.cross(Eigen::Vector3d(momentum.row(n).head<3>()));
+  }
+  return sum;
+}
 std::vector<Reaction> SolidModel::reactions() const {
   const NodeVectors force = parts_->integrator->support_force(parts_->accepted.motion);
   std::vector<Reaction> reactions;
@@ -185,7 +218,13 @@ const StepWork& SolidModel::work_of_last_step() const {
   return parts_->work_last;
 }
 ImplicitCost SolidModel::implicit_cost(double duration) {
-  return parts_->generalized_alpha->measure(parts_->accepted.motion, duration);
+  return parts_->equations->measure(parts_->accepted.motion, duration);
+}
+double SolidModel::least_factorisation_seconds() const {
+  return parts_->equations->least_factorisation_seconds();
+}
+int SolidModel::n_free_components() const {
+  return static_cast<int>((parts_->inverse_mass.array() > 0).count());
 }
 StepWork SolidModel::total_work() const {
   return parts_->work_total;
@@ -214,8 +253,9 @@ void SolidModel::accept_step() {
   Parts& p = *parts_;
   std::swap(p.accepted.motion, p.trial.motion);
   const Motion& motion = p.accepted.motion;
-  p.energy.kinetic = p.integrator->kinetic_energy(motion);
+  p.energy.kinetic = p.integrator->mass_times(motion.velocity).cwiseProduct(motion.velocity).sum() / 2;
   p.energy.strain = p.force.strain_energy();
+  p.softened = p.force.softened();
   const auto contact = p.force.external().contact_total(motion.displacement.data());
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;

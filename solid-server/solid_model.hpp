@@ -97,15 +97,21 @@ class SolidModel {
   void note_why_method(std::string reason);  // a sentence that checkpoints keep
   void resume(SolidState state);             // sizes must be those of accepted(); the method becomes that of the state
 
-  int n_substeps(double duration) const;    // that a step of this duration [s] takes now, when nothing goes wrong
-  SolidEnergy energy() const;               // of the last accepted step
-  std::vector<Reaction> reactions() const;  // in the accepted state, of each support
+  int n_substeps(double duration) const;     // that a step of this duration [s] takes now, when nothing goes wrong
+  SolidEnergy energy() const;                // of the last accepted step
+  double contact_force_at_rest() const;      // before any motion [N]
+  bool may_lose_stiffness() const;           // whether a law does in compression
+  SoftenedElements softened() const;         // elements where it has, at the end of the last accepted step
+  Eigen::Vector3d angular_momentum() const;  // of the accepted state about the origin [kg m^2/s]
+  std::vector<Reaction> reactions() const;   // in the accepted state, of each support
   const StepWork& work_of_last_step() const;
-  /// What implicit steps of this duration [s] cost. Only with the generalized-alpha method.
+  /// What implicit steps of this duration [s] cost, statically without inertia. Not with the central difference method.
   ImplicitCost implicit_cost(double duration);
-  StepWork total_work() const;       // repeated steps included; the worst residual
-  double element_seconds() const;    // spent in the element kernel
-  std::size_t memory_bytes() const;  // of the arrays of the time loop
+  double least_factorisation_seconds() const;  // without doing one [s]; likewise
+  int n_free_components() const;               // of all displacements
+  StepWork total_work() const;                 // repeated steps included; the worst residual
+  double element_seconds() const;              // spent in the element kernel
+  std::size_t memory_bytes() const;            // of the arrays of the time loop
 
  private:
   struct Parts;

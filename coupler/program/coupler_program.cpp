@@ -91,7 +91,7 @@ int run(CommandLine line) {
   const scene::SceneFile file = scene::load_scene(line.scene, line.settings);
   refuse_uncoupled(file.scene);
   line.run.scene_path = line.scene;
-  line.run.scene_folder = std::filesystem::absolute(file.folder).string();
+  line.run.scene_folder = std::filesystem::absolute(line.scene).parent_path().string();
   participant::catch_stop_signals();
   line.run.should_stop = participant::stop_was_asked;
   const v1::Coupling& coupling = file.scene.coupling();

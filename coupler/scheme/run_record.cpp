@@ -59,7 +59,7 @@ void RunRecord::add_program(const std::string& name, const std::vector<participa
     } else if (quantity.name == "peak_memory_bytes") {
       cost.peak_memory_bytes = quantity.value;
     } else {
-      cost.more.push_back({quantity.name, quantity.value, quantity.unit, -1, -1});
+      cost.more.push_back({quantity.name, quantity.value, quantity.unit, -1, -1, quantity.text});
     }
   }
   summary_.programs.push_back(std::move(cost));

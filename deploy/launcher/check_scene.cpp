@@ -33,7 +33,8 @@ std::string launch_sentence(const v1::Scene& scene, int n_flow_ranks) {
 void print(const std::vector<Estimate>& estimates) {
   for (const Estimate& estimate : estimates) {
     std::printf("  %-14s %-28s %s\n", estimate.program.c_str(), estimate.name.c_str(),
-                quantity_text(estimate.name, estimate.value, estimate.unit).c_str());
+                estimate.text.empty() ? quantity_text(estimate.name, estimate.value, estimate.unit).c_str()
+                                      : estimate.text.c_str());
   }
 }
 

@@ -22,7 +22,10 @@ std::vector<Estimate> ask_for_estimate(const std::string& program, const std::fi
   std::vector<Estimate> estimates;
   const auto numbers = nlohmann::ordered_json::parse(result.output);
   for (const auto& [name, number] : numbers.items()) {
-    if (number.at("value").is_number()) estimates.push_back({program, name, number.at("unit"), number.at("value")});
+    if (number.contains("text"))
+      estimates.push_back({program, name, "", 0, number.at("text")});
+    else if (number.at("value").is_number())
+      estimates.push_back({program, name, number.at("unit"), number.at("value")});
   }
   return estimates;
 }

@@ -12,6 +12,7 @@ namespace couplet::launcher {
 struct Estimate {
   std::string program, name, unit;
   double value = 0;
+  std::string text = {};  // in place of the number; empty: none
 };
 
 /// Asks `PROGRAM check`. Throws SceneError when the program cannot tell.

@@ -10,6 +10,11 @@ from figures import label, new_figure, readable, svg_of
 from oscillation import main_frequency, spectrum, thin
 from page import figure, number, section, table
 from scene_text import find, leaves
+import solid_facts
+
+
+FEWEST_SAMPLES = 16  # a picture of fewer at the end of a run shows no motion
+FEWEST_CYCLES = 5  # a spectrum of fewer shows the window and not the motion
 
 
 def heading(run):
@@ -57,16 +62,7 @@ def _key_facts(scene):
     grid = find(scene, "flow.navier_stokes.grid")
     if grid:
         yield "grid", " × ".join(_axis_words(grid[axis][0]) for axis in "xyz" if axis in grid) + " cells"
-    for body in find(scene, "solid", {}).get("body", []):
-        material = find(body, "material", {})
-        law = next((name for name in material if name != "density"), None)
-        constants = ", ".join(f"{name} {values[0]:g}" for name, values in find(material, law, {}).items()) if law else ""
-        yield f"body {find(body, 'name', '')}", f"{law}: {constants}; density {find(material, 'density')} kg/m³"
-        mesh = next((name for name in ("vocal_fold", "box") if name in body), None)
-        if mesh:
-            counts = " × ".join(str(find(body, f"{mesh}.elements_{axis}")) for axis in "xyz")
-            half = ", half of the length" if find(body, f"{mesh}.half_length") else ""
-            yield "mesh", f"{mesh}, {counts} hex20 elements{half}, {find(body, 'points_per_element')} points each"
+    yield from solid_facts.facts(scene)
     if "flow" in scene and "solid" in scene:
         acceleration = next((name for name in ("constant", "aitken", "iqn_ils", "iqn_imvj") if name in find(scene, "coupling", {})), None)
         words = [find(scene, "coupling.scheme"), acceleration, f"{find(scene, 'coupling.predictor')} predictor"]
@@ -100,7 +96,7 @@ def probe_names(run):
     """Names of the probes in the history, in its order."""
     names = []
     for column in run.history.names if run.history is not None else ():
-        if column.endswith(".x") and column[:-2] + ".y" in run.history and column[:-2] not in names:
+        if column.endswith(".x") and run.history.units[column] == "m" and column[:-2] + ".y" in run.history and column[:-2] not in names:
             names.append(column[:-2])
     return names
 
@@ -119,7 +115,7 @@ def last_part(run, column, n_cycles=5):
     half = time >= 0.5 * (time[0] + time[-1])
     line = main_frequency(time[half], run.history[column][half]) if half.sum() > 16 else None
     span = time[-1] - time[0]
-    return time[-1] - (min(n_cycles / line, span) if line else 0.1 * span)
+    return time[-1] - (n_cycles / line if line and n_cycles / line < 0.5 * span else 0.1 * span)
 
 
 def has_rows(run, n=2):
@@ -133,15 +129,18 @@ def probes(run):
         return ""
     time = run.history["time"]
     factor, unit = readable(run.history.units[columns[0]])
-    chart, (whole, close) = new_figure(1, 2, gridspec_kw={"width_ratios": [2, 1]})
     strongest = max(columns, key=lambda name: numpy.ptp(run.history[name][len(time) // 2:]))
-    first = last_part(run, strongest)
+    late = time >= last_part(run, strongest)
+    has_end = late.sum() >= FEWEST_SAMPLES
+    chart, grid = new_figure(1, 2 if has_end else 1, gridspec_kw={"width_ratios": [2, 1] if has_end else [1]}, squeeze=False)
+    whole = grid[0][0]
     for column in columns:
         whole.plot(*thin(time, factor * run.history[column]), label=column, linewidth=0.9)
-        late = time >= first
-        close.plot(*thin(1e3 * time[late], factor * run.history[column][late]))
+        if has_end:
+            grid[0][1].plot(*thin(1e3 * time[late], factor * run.history[column][late]))
     whole.set(xlabel="time [s]", ylabel=label("displacement", unit))
-    close.set(xlabel="time [ms]", title="the end of the run")
+    if has_end:
+        grid[0][1].set(xlabel="time [ms]", title="the end of the run")
     whole.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8)
     return section("Displacement at the probes", figure(svg_of(chart, "probes"), "Displacement of the probes from their place at rest."),
                    figure(_spectrum(run, columns), "Amplitude spectrum of the second half of the run, Hann window."))
@@ -155,7 +154,7 @@ def _spectrum(run, columns):
     factor, unit = readable(run.history.units[columns[0]])
     lines = [main_frequency(time[late], run.history[column][late]) for column in columns]
     lines = [line for line in lines if line]
-    if not lines:
+    if not lines or max(lines) * (time[-1] - time[late][0]) < FEWEST_CYCLES:
         return ""
     highest = max(500.0, 4 * max(lines)) if max(lines) < 2000 else 4 * max(lines)
     chart, axes = new_figure()
@@ -262,7 +261,7 @@ def cost(run):
     for name in names:
         entry = dict(programs[name])
         worked, memory = entry.pop("seconds", None), entry.pop("peak_memory_bytes", None)
-        more = ", ".join(f"{key.replace('_', ' ')} {number(value, 4)}" for key, value in entry.items())
+        more = ", ".join(f"{key.replace('_', ' ')} {number(value, 4)}" for key, value in entry.items() if not isinstance(value, str))
         rows.append((name, number(worked, 4), number(100 * worked / wall, 3) if wall and worked is not None else "–",
                      number(memory / 2**20, 4) if memory else "–", more))
     return section("Time spent where", figure(svg_of(chart, "cost"), "Seconds that each program worked; what is missing to the wall time is waiting."),

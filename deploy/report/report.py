@@ -8,6 +8,7 @@ from pathlib import Path
 import comparison
 import flow_sections as flow
 import general_sections as general
+import solid_sections as solid
 import vocal_fold_sections as fold
 from figures import svg_of
 from page import page
@@ -18,10 +19,13 @@ from scene_text import find
 def report_page(run):
     """The page of one run. Sections appear where their data are there."""
     sections = [
-        general.heading(run), general.quantities(run), fold.outline(run), general.probes(run), fold.glottal_flow(run),
+        general.heading(run), general.quantities(run), fold.outline(run), solid.pictures(run), solid.open_area(run),
+        solid.load_and_displacement(run) or general.probes(run), solid.loads(run), fold.glottal_flow(run),
         fold.pressure_along_glottis(run), flow.pictures(run), flow.integrals(run), flow.planes_and_points(run), flow.errors(run),
-        flow.solver(run), general.coupling(run), general.cost(run),
-        general.other_columns(run, list(fold.FLOW_COLUMNS) + flow.columns_shown(run)), general.what_was_run(run), general.machine(run),
+        flow.solver(run), solid.energy(run), solid.contact(run), solid.reactions(run), solid.steps(run), general.coupling(run),
+        general.cost(run),
+        general.other_columns(run, [*fold.FLOW_COLUMNS, *flow.columns_shown(run), *solid.columns_shown(run)]),
+        general.what_was_run(run), general.machine(run),
     ]
     sections.insert(1, general.troubles(run))  # all have been noticed by now
     return page(str(find(run.scene, "title", run.path.resolve().name)), "\n".join(part for part in sections if part))

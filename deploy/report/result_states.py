@@ -5,10 +5,10 @@ import numpy
 
 
 class ResultStates:
-    """`time` of every state [s]; `field` of one of them. Files are opened only while they are read."""
+    """`name` of the result; `time` of every state [s]; `field` of one of them. Files are opened only while they are read."""
 
     def __init__(self, folder, name):
-        self.places, self.time = [], []
+        self.name, self.places, self.time = name, [], []
         blocks = sorted(folder.glob(f"{name}.[0-9][0-9][0-9][0-9]*.h5"))
         with h5py.File(folder / f"{name}.h5", "r") as file:
             self.position = file["mesh/position"][()]

@@ -8,6 +8,7 @@ import numpy
 from flow_states import FlowStates, holds_flow_fields
 from result_states import ResultStates
 from scene_text import parse_scene_text
+from solid_states import FACES
 
 
 class Table:
@@ -53,9 +54,16 @@ class RunFolder:
 
     def results(self, shape):
         """Fields over time on cells of a shape: `hexahedron20` for a solid, `polyline` for a one-dimensional flow. None without them."""
+        return next(self._all_results((shape,)), None)
+
+    def bodies(self):
+        """Displacements over time of all solid bodies. Shapes of free vibration, which stand under the name modes, are none."""
+        return [states for states in self._all_results([*FACES, "mixed"]) if "displacement" in states.field_names and states.name != "modes"]
+
+    def _all_results(self, shapes):
         for file in sorted((self.path / "results").glob("*.xmf")):
-            if holds_flow_fields(file.parent):
-                continue
+            if holds_flow_fields(file.parent) and (file.stem == "flow" or not file.with_suffix(".h5").exists()):
+                continue  # a region of such a flow
             try:
                 states = ResultStates(file.parent, file.stem)
             except (OSError, KeyError, ValueError) as error:
@@ -63,9 +71,8 @@ class RunFolder:
                 if trouble not in self.troubles:
                     self.troubles.append(trouble)
                 continue
-            if states.shape == shape and len(states):
-                return states
-        return None
+            if states.shape in shapes and len(states):
+                yield states
 
     def flow_fields(self):
         """Fields of a flow in two or three dimensions. None without them."""

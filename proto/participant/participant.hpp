@@ -42,11 +42,12 @@ struct StepSolved {
   double residual = 0;
 };
 
-/// A number that a participant reports beside its fields.
+/// A number that a participant reports beside its fields; at the end, and in estimates, also a text.
 struct NamedNumber {
   std::string name;
   double value = 0;
   std::string unit;
+  std::string text = {};  // in place of the number; empty: none
 };
 
 /// The contract. Calls come in the order: open, then for each step one or more solve_step and at most one accept_step

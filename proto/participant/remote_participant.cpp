@@ -21,7 +21,7 @@ constexpr double farewell = 2;  // [s] that an unplanned end waits for the serve
 
 std::vector<NamedNumber> read(const google::protobuf::RepeatedPtrField<v1::NamedNumber>& list) {
   std::vector<NamedNumber> numbers;
-  for (const auto& item : list) numbers.push_back({item.name(), item.value(), item.unit()});
+  for (const auto& item : list) numbers.push_back({item.name(), item.value(), item.unit(), item.text()});
   return numbers;
 }
 

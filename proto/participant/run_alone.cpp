@@ -248,7 +248,7 @@ void AloneRun::write_summary(const std::string& status, const std::string& failu
     else if (number.name == "peak_memory_bytes")
       cost.peak_memory_bytes = number.value;
     else
-      cost.more.push_back({.name = number.name, .value = number.value, .unit = number.unit});
+      cost.more.push_back({.name = number.name, .value = number.value, .unit = number.unit, .text = number.text});
   }
   for (const NamedNumber& number : costs_)
     if (number.name == "core_seconds") summary.core_seconds = number.value;  // of all its processes, this one too

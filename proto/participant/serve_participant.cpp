@@ -38,6 +38,7 @@ void write(const std::vector<NamedNumber>& numbers, google::protobuf::RepeatedPt
     item->set_name(number.name);
     item->set_value(number.value);
     item->set_unit(number.unit);
+    if (!number.text.empty()) item->set_text(number.text);
   }
 }
 

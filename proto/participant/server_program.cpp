@@ -136,13 +136,22 @@ int check(const ServerProgram& program, const CommandLine& line) {
   const std::vector<NamedNumber> numbers = program.estimate(read_request(line));
   if (line.json) {
     nlohmann::ordered_json object;
-    for (const auto& number : numbers) object[number.name] = {{"value", number.value}, {"unit", number.unit}};
+    for (const auto& number : numbers) {
+      if (number.text.empty())
+        object[number.name] = {{"value", number.value}, {"unit", number.unit}};
+      else
+        object[number.name] = {{"text", number.text}};
+    }
     std::printf("%s\n", object.dump(2).c_str());
     return 0;
   }
   std::size_t width = 0;
   for (const auto& number : numbers) width = std::max(width, number.name.size());
   for (const auto& number : numbers) {
+    if (!number.text.empty()) {
+      std::printf("%-*s  %s\n", static_cast<int>(width), number.name.c_str(), number.text.c_str());
+      continue;
+    }
     const std::string unit = number.unit == "1" ? "" : " " + number.unit;
     std::printf("%-*s  %.6g%s\n", static_cast<int>(width), number.name.c_str(), number.value, unit.c_str());
   }

@@ -11,6 +11,7 @@ void check_relations(const v1::Scene& scene, Review& review);
 
 void check_time_rules(const v1::Scene& scene, Review& review);           // span, step, time tables
 void check_solid_rules(const v1::Scene& scene, Review& review);          // surfaces, meshes, bodies
+void check_solid_load_rules(const v1::Scene& scene, Review& review);     // directions, motions, equilibria
 void check_flow_rules(const v1::Scene& scene, Review& review);           // glottis with and without a solid
 void check_navier_stokes_rules(const v1::Scene& scene, Review& review);  // grid, borders, what is measured
 void check_coupling_rules(const v1::Scene& scene, Review& review);       // scheme, acceleration, convergence

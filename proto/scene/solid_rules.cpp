@@ -149,6 +149,15 @@ void wall_has_a_thickness(const v1::Body& body, const std::string& path, Review&
   if (body.has_hollow_sphere()) check(body.hollow_sphere(), "hollow_sphere");
 }
 
+void box_has_a_volume(const v1::Body& body, const std::string& path, Review& review) {
+  if (!body.box().has_length()) return;
+  const v1::Vector& length = body.box().length();
+  for (const auto& [name, value] : {std::pair{"x", length.x()}, {"y", length.y()}, {"z", length.z()}})
+    if (!(value > 0))
+      review.complain(path + ".box.length." + name,
+                      number_text(value) + " m is not above 0; give the length of the box along " + name);
+}
+
 void half_has_whole_elements(const v1::VocalFoldMesh& fold, const std::string& path, Review& review) {
   if (!fold.half_length() || fold.elements_z() % 2 == 0 || fold.elements_z() < 1) return;
   review.complain(path + ".elements_z", std::to_string(fold.elements_z()) +
@@ -203,6 +212,7 @@ void check_solid_rules(const v1::Scene& scene, Review& review) {
     regions_exist(body, path, review);
     materials_fit(body, path, review);
     wall_has_a_thickness(body, path, review);
+    box_has_a_volume(body, path, review);
     if (!body.has_vocal_fold()) continue;
     half_has_whole_elements(body.vocal_fold(), path + ".vocal_fold", review);
     section_exists(body.vocal_fold(), path + ".vocal_fold", review);

@@ -23,7 +23,8 @@ Json programs(const std::vector<ProgramCost>& costs) {
     Json& entry = object[cost.program];
     entry["seconds"] = number(cost.seconds);
     entry["peak_memory_bytes"] = number(cost.peak_memory_bytes);
-    for (const SummaryQuantity& more : cost.more) entry[more.name] = number(more.value);
+    for (const SummaryQuantity& more : cost.more)
+      entry[more.name] = more.text.empty() ? number(more.value) : Json(more.text);
   }
   return object;
 }

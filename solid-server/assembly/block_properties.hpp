@@ -9,7 +9,7 @@ namespace couplet::solid {
 struct BlockProperties {
   Material material;
   double density = 0;  // at rest [kg/m^3]
-  int n_points = 8;    // quadrature points of an element: hexahedron20 8, 14 or 27; tetrahedron10 4; hexahedron8 1
+  int n_points = 8;    // quadrature points of an element: default_n_points (element/formulation.hpp)
   ElementFormulation formulation = ElementFormulation::standard;
 };
 

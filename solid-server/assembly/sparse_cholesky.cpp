@@ -1,12 +1,14 @@
 #include "solid-server/assembly/sparse_cholesky.hpp"
 
 #include <cholmod.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/machine_memory.hpp"
 
 namespace couplet::solid {
 
@@ -19,6 +21,9 @@ struct Session {
   cholmod_common common{};
 
   Session() {
+    // CHOLMOD copies entries by four threads, however many cores there are; they wait awake and take the cores from
+    // others.
+    omp_set_max_active_levels(0);
     cholmod_l_start(&common);
     common.print = 0;
     common.nmethods = 2;
@@ -44,10 +49,9 @@ struct FreeDense {
 using Dense = std::unique_ptr<cholmod_dense, FreeDense>;
 
 [[noreturn]] void refuse_singular() {
-  throw report::NumericsError(
-      "linear system", "the tangent stiffness is singular",
-      "a part of a body is free to move or to turn without resistance: fix it, or give it mass by "
-      "a dynamic time integration; a single row of 20-node hexahedra needs points_per_element: 14");
+  throw SingularMatrix("linear system", "the tangent stiffness is singular",
+                       "a part of a body is free to move or to turn without resistance: fix it, or give it mass by "
+                       "a dynamic time integration; a single row of 20-node hexahedra needs points_per_element: 14");
 }
 
 }  // namespace
@@ -118,10 +122,13 @@ cholmod_sparse SparseCholesky::Parts::matrix() {
 }
 
 void SparseCholesky::Parts::check_memory() const {
-  if (session.common.status != CHOLMOD_OUT_OF_MEMORY && session.common.status != CHOLMOD_TOO_LARGE) return;
+  const double factor_bytes = 8 * static_cast<double>(n_factor_entries);
+  if (session.common.status != CHOLMOD_OUT_OF_MEMORY && session.common.status != CHOLMOD_TOO_LARGE &&
+      factor_bytes < machine_memory())
+    return;
   throw report::NumericsError("linear system",
                               "there is no memory for the factors of " + std::to_string(n_unknowns()) + " unknowns, " +
-                                  report::text(8e-9 * static_cast<double>(n_factor_entries)) + " GB",
+                                  report::text(1e-9 * factor_bytes) + " GB",
                               "take a coarser mesh, a larger machine, or the explicit central difference method");
 }
 

@@ -4,10 +4,17 @@
 #include <memory>
 #include <vector>
 
+#include "proto/report/failure.hpp"
 #include "solid-server/assembly/node_pairs.hpp"
 #include "solid-server/support/free_components.hpp"
 
 namespace couplet::solid {
+
+/// A part of a body is free to move, or the body is about to buckle: a shorter step may do.
+class SingularMatrix : public report::NumericsError {
+ public:
+  using NumericsError::NumericsError;
+};
 
 /// A = L L^T by supernodes [Chen, Davis, Hager, Rajamanickam 2008]. A matrix that is not positive definite becomes
 /// L D L^T, column by column and much slower, without row exchanges; it has as many negative eigenvalues as D
@@ -21,8 +28,8 @@ class SparseCholesky {
   SparseCholesky(const SparseCholesky&) = delete;
   SparseCholesky& operator=(const SparseCholesky&) = delete;
 
-  /// `blocks`: (n_pairs, 3, 3), the order of the pairs. Throws NumericsError when the matrix is singular (a pivot below
-  /// 1e-14 of the largest), when it has an entry that is not a number, or when memory is not enough.
+  /// `blocks`: (n_pairs, 3, 3), the order of the pairs. Throws SingularMatrix for a pivot below 1e-14 of the largest,
+  /// NumericsError when it has an entry that is not a number, or when memory is not enough.
   void factorise(const std::vector<double>& blocks);
 
   /// Of the factorised matrix; 0: positive definite.

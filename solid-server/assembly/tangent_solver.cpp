@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/machine_memory.hpp"
 #include "solid-server/assembly/sparse_cholesky.hpp"
 
 namespace couplet::solid {
@@ -47,9 +49,43 @@ struct TangentSolver::Parts {
   }
 };
 
+namespace {
+
+/// Pairs of nodes that an element adds to a large mesh: its share of nodes times half of those that each one meets.
+double pairs_per_element(ElementShape shape) {
+  switch (shape) {
+    case ElementShape::hexahedron20:
+      return 164;
+    case ElementShape::hexahedron8:
+      return 14;
+    case ElementShape::tetrahedron10:
+      return 19;
+  }
+  return 0;
+}
+
+/// Stiffness, mass and the matrix that is factorised, without the factors.
+void refuse_too_large(const SolidMesh& mesh) {
+  constexpr double bytes_per_pair = 9 * (8 + 8 + 24);
+  double needed = 0;
+  for (const ElementBlock& block : mesh.block)
+    needed += bytes_per_pair * pairs_per_element(block.shape) * block.n_elements();
+  if (needed < machine_memory()) return;
+  throw report::NumericsError("linear system",
+                              "there is no memory for a matrix of " + std::to_string(mesh.n_nodes()) +
+                                  " nodes and its factors: it alone needs " + report::text(std::round(needed / 1e9)) +
+                                  " GB, but this machine has " + report::text(std::round(machine_memory() / 1e9)) +
+                                  " GB",
+                              "take a coarser mesh, a larger machine, or the explicit central difference method");
+}
+
+}  // namespace
+
 TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockProperties>& properties,
-                             const FreeComponents& free, WorkTeam& team, MassForm mass_form)
-    : parts_(new Parts{free, team, TangentMatrix(mesh, properties, mass_form, team), nullptr, {}, {}, {}}) {
+                             const FreeComponents& free, WorkTeam& team, MassForm mass_form) {
+  refuse_too_large(mesh);
+  parts_ = std::unique_ptr<Parts>(
+      new Parts{free, team, TangentMatrix(mesh, properties, mass_form, team), nullptr, {}, {}, {}});
   if (!free.any())
     throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
   parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free);
@@ -118,6 +154,10 @@ const FreeComponents& TangentSolver::free() const {
 
 Index TangentSolver::n_free() const {
   return parts_->factors->n_unknowns();
+}
+
+double TangentSolver::n_operations() const {
+  return parts_->factors->n_operations();
 }
 
 const TangentCost& TangentSolver::cost() const {

@@ -71,7 +71,8 @@ class TangentSolver {
   NodeVectors mass_times_on_all(const NodeVectors& vector) const;  // M x with its held components: inertia on supports
 
   const FreeComponents& free() const;
-  Index n_free() const;  // components
+  double n_operations() const;  // of a factorisation
+  Index n_free() const;         // components
   const TangentCost& cost() const;
   std::size_t memory_bytes() const;  // of matrices, factors and plans
 

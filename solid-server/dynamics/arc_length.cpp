@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/sparse_cholesky.hpp"
 
 namespace couplet::solid {
 
@@ -50,7 +51,11 @@ class Path {
 
 bool Path::factorise(const NodeVectors& at, const NodeVectors& increment) {
   ++report_.n_factorisations;
-  return system_.factorise(at, increment) < 0;
+  try {
+    return system_.factorise(at, increment) < 0;
+  } catch (const SingularMatrix&) {
+    return false;
+  }
 }
 
 /// The tangent of the path at the point, and the stability of the point.
@@ -58,20 +63,23 @@ bool Path::find_tangent() {
   if (!factorise(u_, NodeVectors::Zero(u_.rows(), 4))) return false;
   n_negative_pivots_ = system_.n_negative_pivots();
   tangent_ = system_.solve(system_.load_rate(u_));
-  if (length_ == 0) length_ = length_first_ = control_.first_load_step * tangent_.norm();
+  if (length_ == 0)
+    length_ = length_first_ = std::min(control_.first_load_step * tangent_.norm(), control_.longest_first_arc);
   return std::isfinite(length_) && length_ > 0;
 }
 
 /// The next point. False when even the shortest arc fails.
 bool Path::advance_arc() {
-  for (int n = 0; n <= control_.n_halvings_most; ++n, length_ /= 2) {
+  for (; length_ >= std::ldexp(length_first_, -control_.n_halvings_most); length_ /= 2) {
     double step = length_ / tangent_.norm();
     if (arc_before_.size() > 0 && dot(arc_before_, tangent_) < 0) step = -step;
     NodeVectors end = u_ + step * tangent_;
     double load = load_ + step;
     if (!correct(end, load)) continue;
+    const NodeVectors arc = end - u_;
+    if (dot(arc, tangent_) * step < 0.5 * arc.norm() * tangent_.norm() * std::abs(step)) continue;
     load_before_ = load_;
-    arc_before_ = end - u_;
+    arc_before_ = arc;
     arc_of_[0] = arc_of_[1], change_of_[0] = change_of_[1];
     arc_of_[1] = length_, change_of_[1] = load - load_;
     ++n_known_;

@@ -2,6 +2,7 @@
 // A path of equilibrium followed by its arc length, through limit points of the load.
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -20,11 +21,13 @@ class LoadedSystem : public NonlinearSystem {
 
 struct ArcLengthControl {
   double first_load_step = 0.1;  // of the factor; the length of the first arc is that of the displacement it causes
-  double longest_arc = 8;        // over the first
-  double tolerance = 1e-7;       // |r| over the scale of the forces
-  int n_iterations_wanted = 5;   // in an arc: more shorten the next, fewer lengthen it
+  double longest_first_arc =
+      std::numeric_limits<double>::max();  // near a limit the displacement of a load step is huge
+  double longest_arc = 8;                  // over the first
+  double tolerance = 1e-7;                 // |r| over the scale of the forces
+  int n_iterations_wanted = 5;             // in an arc: more shorten the next, fewer lengthen it
   int n_iterations_most = 15;
-  int n_halvings_most = 12;  // of an arc that does not converge
+  int n_halvings_most = 12;  // of the first arc, to the shortest that is tried
   int n_arcs_most = 2000;
 };
 
@@ -46,9 +49,10 @@ struct PathReport {
 /// The cylindrical method of Crisfield (1981): the corrections of an arc keep |u - u_0| = l; of the two load factors
 /// that do, the one whose displacement turns least from that before is taken. A path sets out towards growing load and
 /// keeps its sense by the scalar product with the arc before (not by the sign of pivots, which also changes at
-/// bifurcations). Every correction uses new factors and the load rate at the place; an arc that does not converge is
-/// halved, and the next one is as long as the number of iterations suggests. Near the wanted load the path ends there
-/// with the load held.
+/// bifurcations). An arc must end within 60 degrees of the tangent at its start: beyond that the circle has met another
+/// branch. Every correction uses new factors and the load rate at the place; an arc that does not converge is halved,
+/// and the next one is as long as the number of iterations suggests. Near the wanted load the path ends there with the
+/// load held.
 ///
 /// `visit` is called at every converged point and ends the path by returning false. u and load: from a solution to the
 /// last point.

@@ -1,7 +1,10 @@
 #include "solid-server/dynamics/body_equations.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "proto/report/failure.hpp"
 
@@ -22,10 +25,16 @@ BodyEquations::BodyEquations(const SolidMesh& mesh, const std::vector<BlockPrope
 Index BodyEquations::forces(const NodeVectors& strained, const NodeVectors& displacement, const Moment& moment,
                             NodeVectors& out) {
   out.resize(displacement.rows(), 4);
-  force_.forget_inverted();
+  force_.forget_findings();
   double* const force = out.data();
   const auto keep = [force](Index node, const NodeQuad& sum) { std::memcpy(force + 4 * node, &sum, sizeof sum); };
   team_.run([&](int member) {
+    if (force_.has_surface_contact()) {
+      if (member == 0) force_.search_contact(displacement.data());
+      team_.barrier();
+      force_.find_gaps(member);
+      team_.barrier();
+    }
     force_.write_external_parts(member, displacement.data(), moment);
     team_.barrier();
     force_.sweep(member, strained.data(), moment, keep);
@@ -58,6 +67,46 @@ Index BodyEquations::factorise(std::shared_ptr<const FactorOrigin> origin) {
 double BodyEquations::factorisation_cost() const {
   constexpr double cost_known = 20, n_free_known = 38000;
   return std::clamp(cost_known * std::sqrt(tangent_->n_free() / n_free_known), 2.0, 200.0);
+}
+
+/// The lowest mode by inverse iteration [Golub, Van Loan 2013, 8.2], from the displacement under a uniform acceleration
+/// in all directions.
+ImplicitCost BodyEquations::measure(const Motion& motion, double duration) {
+  using Clock = std::chrono::steady_clock;
+  const auto since = [](Clock::time_point began) {
+    return std::chrono::duration<double>(Clock::now() - began).count();
+  };
+  constexpr int n_repetitions = 3, n_iterations = 12;
+  const NodeVectors& u = motion.displacement;
+  const double shift = std::pow(2 * std::numbers::pi / (100 * duration), 2);  // so that free bodies have factors too
+  ImplicitCost cost;
+  auto began = Clock::now();
+  factorise(std::make_shared<const FactorOrigin>(FactorOrigin{u, u, NodeVectors(0, 4), motion.time, {1, shift}, 0}));
+  cost.factorisation_seconds = since(began);
+
+  NodeVectors force;
+  cost.iteration_seconds = std::numeric_limits<double>::max();
+  for (int n = 0; n < n_repetitions; ++n) {
+    began = Clock::now();
+    forces(u, u, {motion.time + duration, 1, false}, force);
+    solve(force);
+    cost.iteration_seconds = std::min(cost.iteration_seconds, since(began));
+  }
+  NodeVectors mode = free_part(NodeVectors::Ones(u.rows(), 4));
+  double eigenvalue = 0;  // of (K + shift M) x = eigenvalue M x
+  for (int n = 0; n < n_iterations; ++n) {
+    const NodeVectors push = mass_times(mode), next = free_part(solve(push));
+    eigenvalue = next.cwiseProduct(push).sum() / next.cwiseProduct(mass_times(next)).sum();
+    mode = next / next.norm();
+  }
+  cost.lowest_rate = std::sqrt(std::max(eigenvalue - shift, 0.0));
+  forget_factors();
+  return cost;
+}
+
+double BodyEquations::least_factorisation_seconds() const {
+  constexpr double operations_per_second = 5e10;  // no core is much faster
+  return tangent_->n_operations() / operations_per_second;
 }
 
 std::size_t BodyEquations::memory_bytes() const {

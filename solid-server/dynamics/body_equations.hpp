@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "solid-server/assembly/tangent_solver.hpp"
+#include "solid-server/dynamics/motion.hpp"
 #include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/support/prescribed_motion.hpp"
@@ -19,6 +20,13 @@ struct FactorOrigin {
   double external_stiffness = 0;  // weight of the stiffness of external forces
 };
 
+/// What implicit steps of a body cost, and how slowly it can move.
+struct ImplicitCost {
+  double factorisation_seconds = 0;  // of a tangent, its assembly included [s]
+  double iteration_seconds = 0;      // of a residual and a solution [s]
+  double lowest_rate = 0;            // of its modes about the motion in hand, an estimate from above [1/s]
+};
+
 /// A body between its forces and the linear solver. All members of the team work at each call.
 class BodyEquations {
  public:
@@ -27,9 +35,6 @@ class BodyEquations {
 
   const SolidMesh& mesh() const { return mesh_; }
   NodeVectors mass_times(const NodeVectors& vector) const { return tangent_->mass_times_on_all(vector); }
-  double kinetic_energy(const NodeVectors& velocity) const {
-    return mass_times(velocity).cwiseProduct(velocity).sum() / 2;
-  }
   const HeldMotion& held() const { return held_; }
   NodalForce& force() { return force_; }
   double length() const { return length_; }  // the longest side of the box around the body [m]
@@ -56,6 +61,10 @@ class BodyEquations {
   /// New factors over one residual and one solve, by the sizes alone. Measured: 20 for thin leaflets of 38,000 free
   /// components, where factors of nearly flat bodies grow as n^1.5 and solves as n log n.
   double factorisation_cost() const;
+  /// What steps of a duration [s] from a motion cost, and the slowest vibration about it; what is slower than some
+  /// hundred of them a period counts as rigid. No factors are left.
+  ImplicitCost measure(const Motion& motion, double duration);
+  double least_factorisation_seconds() const;  // by the fastest cores that there are [s]
   const TangentCost& cost() const { return tangent_->cost(); }
   std::size_t memory_bytes() const;
 

@@ -45,7 +45,7 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
                                     Motion& to) {
   const int n_substeps = this->n_substeps(duration);
   plan(from, duration, n_substeps, to);
-  force_.forget_inverted();
+  force_.forget_findings();
   force_.external().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
                                        interface_force);
   if (!from.has_interface_force) to.force = from.force + force_.external().interface_load_at_start();
@@ -64,12 +64,14 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
       if (member == 0) hold(k + 1, to);
     }
   });
-  if (const Index element = force_.inverted_element(); element >= 0)
+  if (const Index element = force_.inverted_element(); element >= 0) {
+    for (const Substep& substep : substeps_) held_.check_finite(substep.end);
     throw report::NumericsError(
-        "solid, t = " + std::to_string(from.time) + " to " + std::to_string(from.time + duration) + " s",
+        "solid, t = " + report::text(from.time) + " to " + report::text(from.time + duration) + " s",
         mesh_.describe_element(element) + " at rest is turned inside out",
         "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
         "resists strong compression better than saint_venant_kirchhoff");
+  }
   to.time = from.time + duration;
   to.interface_force = interface_force;
   to.has_interface_force = true;
@@ -88,12 +90,6 @@ void CentralDifference::hold(int k, Motion& to) {
   if (is_end) return;
   for (const auto& [node, axis] : held_.components())
     note_strained(node, quad(to.displacement.data(), node), quad(to.velocity.data(), node));
-}
-
-double CentralDifference::kinetic_energy(const Motion& motion) const {
-  double sum = 0;
-  for (Eigen::Index n = 0; n < mass_.size(); ++n) sum += mass_[n] * motion.velocity.row(n).squaredNorm();
-  return sum / 2;
 }
 
 NodeVectors CentralDifference::support_force(const Motion& motion) const {

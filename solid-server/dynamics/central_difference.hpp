@@ -27,7 +27,7 @@ class CentralDifference : public TimeIntegrator {
   /// In equal substeps. Allocates nothing in them. Throws NumericsError naming element and time when an element is
   /// turned inside out.
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
-  double kinetic_energy(const Motion& motion) const override;
+  NodeVectors mass_times(const NodeVectors& vector) const override { return mass_.asDiagonal() * vector; }
   NodeVectors support_force(const Motion& motion) const override;
   std::size_t memory_bytes() const override;
 

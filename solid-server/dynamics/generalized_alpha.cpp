@@ -1,12 +1,10 @@
 #include "solid-server/dynamics/generalized_alpha.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/sparse_cholesky.hpp"
 
 namespace couplet::solid {
 
@@ -92,7 +90,7 @@ bool GeneralizedAlpha::substep(Motion& motion, double h, double fraction_start, 
   Newton newton(control_.newton);
   NewtonReport report;
   bool are_new = false;
-  const auto solve_from = [&](NodeVectors& u) {
+  const auto iterate_from = [&](NodeVectors& u) {
     body_->held().hold(begin + h, u);
     are_new = prepare_factors(start, u);
     work.n_factorisations += are_new;
@@ -107,6 +105,14 @@ bool GeneralizedAlpha::substep(Motion& motion, double h, double fraction_start, 
                     ? body_->mesh().describe_element(report.inverted_element) + " at rest is turned inside out"
                     : report.sentence();
     return report.has_converged();
+  };
+  const auto solve_from = [&](NodeVectors& u) {
+    try {
+      return iterate_from(u);
+    } catch (const SingularMatrix& singular) {
+      why_not = singular.sentence();
+      return false;
+    }
   };
   NodeVectors u = start.displacement + h * start.velocity + h * h / 2 * start.acceleration;
   bool is_solved = solve_from(u);
@@ -147,14 +153,19 @@ void GeneralizedAlpha::add_kicks(Motion& motion, double h) {
 /// M (a + c v) = f.
 void GeneralizedAlpha::find_acceleration(Motion& motion, double fraction) {
   NodeVectors force;
+  body_->held().check_finite(motion.time);
   body_->held().hold(motion.time, motion.displacement);
   body_->forces(strained(motion.displacement, motion.velocity), motion.displacement, {motion.time, fraction, false},
                 force);
   motion.acceleration = NodeVectors::Zero(force.rows(), 4);
   force = body_->free_part(force);
   if (!force.isZero(0)) {
-    body_->factorise(std::make_shared<const FactorOrigin>(
+    const Index inverted = body_->factorise(std::make_shared<const FactorOrigin>(
         FactorOrigin{motion.displacement, motion.displacement, NodeVectors(0, 4), motion.time, {0, 1}, 0}));
+    if (inverted >= 0)
+      throw report::NumericsError("solid, t = " + report::text(motion.time) + " s",
+                                  body_->mesh().describe_element(inverted) + " at rest is turned inside out",
+                                  "check the prescribed motions: they begin with a jump");
     motion.acceleration = body_->solve(force);
     body_->forget_factors();
   }
@@ -169,6 +180,7 @@ void GeneralizedAlpha::set_up_substep(const Motion& start, double h, double frac
   moment_.fraction = (1 - alpha_f_) * fraction_end + alpha_f_ * fraction_start;
   mass_damping_ = damping_.at(moment_.time);
   if (!body_->held().is_empty()) {
+    for (const double time : {end, end + h / 2, end + h}) body_->held().check_finite(time);  // what is used below
     held_velocity_ = held_acceleration_ = NodeVectors::Zero(start.displacement.rows(), 4);
     body_->held().hold_velocity(end, h, held_velocity_);
     body_->held().hold_acceleration(end, h, held_acceleration_);
@@ -238,44 +250,6 @@ std::shared_ptr<const FactorOrigin> GeneralizedAlpha::origin_at(const NodeVector
   const NodeVectors v_f = (1 - alpha_f_) * end.v + alpha_f_ * start_->velocity;
   return std::make_shared<const FactorOrigin>(
       FactorOrigin{strained(u_f, v_f), u_f, strained_share() * increment, moment_.time, weights(), 1 - alpha_f_});
-}
-
-/// The lowest mode by inverse iteration [Golub, Van Loan 2013, 8.2], from the displacement under a uniform acceleration
-/// in all directions.
-ImplicitCost GeneralizedAlpha::measure(const Motion& motion, double duration) {
-  using Clock = std::chrono::steady_clock;
-  const auto since = [](Clock::time_point began) {
-    return std::chrono::duration<double>(Clock::now() - began).count();
-  };
-  constexpr int n_repetitions = 3, n_iterations = 12;
-  Motion start = motion;
-  if (start.acceleration.rows() == 0) start.acceleration = NodeVectors::Zero(motion.displacement.rows(), 4);
-  set_up_substep(start, duration, 0, 1);
-  const double shift = std::pow(2 * std::numbers::pi / (100 * duration), 2);  // so that free bodies have factors too
-  ImplicitCost cost;
-  auto began = Clock::now();
-  body_->factorise(std::make_shared<const FactorOrigin>(
-      FactorOrigin{start.displacement, start.displacement, NodeVectors(0, 4), start.time, {1, shift}, 0}));
-  cost.factorisation_seconds = since(began);
-
-  Residual residual;
-  cost.iteration_seconds = std::numeric_limits<double>::max();
-  for (int n = 0; n < n_repetitions; ++n) {
-    began = Clock::now();
-    evaluate(start.displacement, residual);
-    body_->solve(residual.value);
-    cost.iteration_seconds = std::min(cost.iteration_seconds, since(began));
-  }
-  NodeVectors mode = body_->free_part(NodeVectors::Ones(start.displacement.rows(), 4));
-  double eigenvalue = 0;  // of (K + shift M) x = eigenvalue M x
-  for (int n = 0; n < n_iterations; ++n) {
-    const NodeVectors push = body_->mass_times(mode), next = body_->free_part(body_->solve(push));
-    eigenvalue = next.cwiseProduct(push).sum() / (2 * body_->kinetic_energy(next));
-    mode = next / next.norm();
-  }
-  cost.lowest_rate = std::sqrt(std::max(eigenvalue - shift, 0.0));
-  body_->forget_factors();
-  return cost;
 }
 
 NodeVectors GeneralizedAlpha::support_force(const Motion& motion) const {

@@ -12,13 +12,6 @@ struct ImplicitControl {
   NewtonControl newton;
 };
 
-/// What implicit steps of a body cost, and how slowly it can move.
-struct ImplicitCost {
-  double factorisation_seconds = 0;  // of a tangent, its assembly included [s]
-  double iteration_seconds = 0;      // of a residual and a solution [s]
-  double lowest_rate = 0;            // of its modes about the motion in hand, an estimate from above [1/s]
-};
-
 /// Generalized-alpha [Chung, Hulbert 1993] with the spectral radius rho at infinite frequency:
 ///   alpha_m = (2 rho - 1)/(rho + 1),  alpha_f = rho/(rho + 1),  gamma = 1/2 - alpha_m + alpha_f,
 ///   beta = (1 - alpha_m + alpha_f)^2/4,
@@ -41,12 +34,10 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
                    ImplicitControl control);
 
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
-  double kinetic_energy(const Motion& motion) const override { return body_->kinetic_energy(motion.velocity); }
+  NodeVectors mass_times(const NodeVectors& vector) const override { return body_->mass_times(vector); }
   NodeVectors support_force(const Motion& motion) const override;
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }
-  /// Measured at a motion for steps of a duration. Modes slower than some hundred steps a period count as rigid.
-  ImplicitCost measure(const Motion& motion, double duration);
 
  private:
   /// Displacement, velocity, acceleration at the end of a substep, or in between.

@@ -5,11 +5,23 @@
 
 namespace couplet::solid {
 
+namespace {
+
+/// The smaller one of two elements, where -1 is none: the same on any number of threads.
+void keep_smaller(Index element, std::atomic<Index>& kept) {
+  if (element < 0) return;
+  Index known = kept;
+  while ((known < 0 || element < known) && !kept.compare_exchange_weak(known, element)) continue;
+}
+
+}  // namespace
+
 NodalForce::NodalForce(const SolidMesh& mesh, const std::vector<BlockProperties>& properties, ExternalForce external,
                        int n_members)
     : n_nodes_(mesh.n_nodes()), n_members_(n_members), external_(std::move(external)) {
   for (std::size_t b = 0; b < mesh.block.size(); ++b) {
     const BlockProperties& property = properties[b];
+    check_formulation("solid.body", mesh.block[b].shape, property.formulation, property.material);
     Block& block = blocks_.emplace_back();
     block.material = property.material;
     block.elements = make_element_packs(mesh, mesh.block[b], property.n_points, property.formulation);
@@ -29,16 +41,16 @@ void NodalForce::compute(int member, const SweepPlan::Chunk& chunk, const double
   using Clock = std::chrono::steady_clock;
   const auto began = Clock::now();
   Block& block = blocks_[static_cast<std::size_t>(chunk.block)];
-  note_inverted(internal_force(block.elements, block.material, chunk.first_pack, chunk.last_pack, displacement,
-                               &buffer_[static_cast<std::size_t>(chunk.place)],
-                               moment.with_energy ? block.energy.data() : nullptr));
+  note(internal_force(block.elements, block.material, chunk.first_pack, chunk.last_pack, displacement,
+                      &buffer_[static_cast<std::size_t>(chunk.place)],
+                      moment.with_energy ? block.energy.data() : nullptr));
   if (member == 0) element_seconds_ += std::chrono::duration<double>(Clock::now() - began).count();
 }
 
-void NodalForce::note_inverted(Index element) {
-  if (element < 0) return;
-  Index known = inverted_element_;
-  while ((known < 0 || element < known) && !inverted_element_.compare_exchange_weak(known, element)) continue;
+void NodalForce::note(const ElementFindings& findings) {
+  keep_smaller(findings.inverted, inverted_element_);
+  keep_smaller(findings.softened, softened_element_);
+  if (findings.n_softened > 0) n_softened_ += findings.n_softened;
 }
 
 NodeVectors NodalForce::collect(const NodeVectors& displacement, const Moment& moment) {

@@ -18,6 +18,12 @@ struct Moment {
   bool with_energy = false;  // strain energy is kept, and every law looks for inverted elements
 };
 
+/// Elements whose law answers more compression with less stress.
+struct SoftenedElements {
+  Index first = -1;  // -1: none
+  int n = 0;
+};
+
 /// Evaluated by a team in three phases with a barrier after each: write_external_parts, sweep, visit_shared. The last
 /// two call visit(node, force) exactly once for each node; from then on nobody reads its displacement, so that it may
 /// be changed there.
@@ -58,9 +64,14 @@ class NodalForce {
   /// All forces, by one thread: (n_nodes, 4) [N].
   NodeVectors all(const NodeVectors& displacement, const Moment& moment);
 
-  /// The first element found turned inside out since the last call of forget_inverted, or -1.
+  /// The first element found turned inside out since the last call of forget_findings, or -1.
   Index inverted_element() const { return inverted_element_; }
-  void forget_inverted() { inverted_element_ = -1; }
+  /// What sweeps with energy found since then of elements that have lost stiffness in compression.
+  SoftenedElements softened() const { return {softened_element_, n_softened_}; }
+  void forget_findings() {
+    inverted_element_ = softened_element_ = -1;
+    n_softened_ = 0;
+  }
 
   double strain_energy() const;                                // at the last moment with energy [J]
   double element_seconds() const { return element_seconds_; }  // that the first member has spent in internal_force [s]
@@ -83,7 +94,7 @@ class NodalForce {
   void compute(int member, const SweepPlan::Chunk& chunk, const double* displacement, const Moment& moment);
   std::vector<const ElementPacks*> element_packs() const;
   NodeVectors collect(const NodeVectors& displacement, const Moment& moment);
-  void note_inverted(Index element);
+  void note(const ElementFindings& findings);
 
   Index n_nodes_;
   int n_members_;
@@ -91,7 +102,8 @@ class NodalForce {
   ExternalForce external_;
   SweepPlan plan_;
   std::vector<StoredPack> buffer_;  // parts of forces [N]: of elements, then external ones
-  std::atomic<Index> inverted_element_{-1};
+  std::atomic<Index> inverted_element_{-1}, softened_element_{-1};
+  std::atomic<int> n_softened_{0};
   double element_seconds_ = 0;
 };
 

@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/sparse_cholesky.hpp"
 
 namespace couplet::solid {
 
 namespace {
 
 constexpr int n_halvings_most = 4;
+constexpr double largest_jump = 3;        // of a load step, over what the tangent predicts: more is another branch
 constexpr double load_difference = 1e-4;  // for the load rate: exact for loads that are linear in the factor
 
 }  // namespace
@@ -20,12 +23,21 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
   StepWork work;
   constexpr int n_ticks = 1 << n_halvings_most;
   int n_successes = 0, tick = 0;
+  double last_change = std::numeric_limits<double>::max();  // of the displacements in a load step that succeeded
   while (tick < n_ticks) {
     const int length = 1 << (n_halvings_most - to.n_halvings);
     const double start = static_cast<double>(tick) / n_ticks, end = static_cast<double>(tick + length) / n_ticks;
     std::string why_not;
-    if (load_step(start, end, to.displacement, work, why_not)) {
+    const NodeVectors before = to.displacement;
+    bool has_equilibrium = false;
+    try {
+      has_equilibrium = load_step(start, end, to.displacement, work, why_not);
+    } catch (const SingularMatrix& singular) {
+      why_not = singular.sentence();
+    }
+    if (has_equilibrium) {
       tick += length;
+      last_change = (to.displacement - before).norm();
       ++work.n_substeps;
       if (++n_successes >= 2 && to.n_halvings > 0 && tick % (2 * length) == 0) --to.n_halvings, n_successes = 0;
       continue;
@@ -44,6 +56,7 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
     double factor = start;
     ArcLengthControl path = control_.path;
     path.first_load_step = end - start;
+    path.longest_first_arc = last_change;
     const PathReport report =
         follow_path(*this, path, to.displacement, factor, 1, [](const PathPoint&) { return true; });
     work.n_iterations += report.n_iterations;
@@ -55,14 +68,13 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
                                   "neither steps of the load nor its path by arc length reach t = " +
                                       report::text(moment(1).time) + " s: " + why_not + "; " + report.failure,
                                   advice);
+    factorise(to.displacement, NodeVectors(0, 4));
+    ++work.n_factorisations;
     tick = n_ticks;
     to.n_halvings = 0;
   }
   finish(1, to);
-  // The factors with which the next step begins, and what they tell of this one.
-  const NodeVectors none(0, 4);
-  if (factorise(to.displacement, none) < 0) work.n_negative_pivots = n_negative_pivots();
-  ++work.n_factorisations;
+  work.n_negative_pivots = n_negative_pivots();
   to.factors = {body_->origin()};
   return work;
 }
@@ -87,26 +99,32 @@ void StaticSolution::begin(const Motion& from, double duration, const surface::N
   const surface::NodeArray nothing = surface::NodeArray::Zero(interface_force.rows(), 3);
   body_->force().external().set_interface_load(from.has_interface_force ? from.interface_force : nothing,
                                                interface_force);
-  if (from.factors.origin)
-    body_->factorise(from.factors.origin);
-  else
-    body_->forget_factors();
+  at_equilibrium_ = from.factors.origin;
 }
 
 /// From an equilibrium at one load factor to the next. False, and u as it was, when there is none.
 bool StaticSolution::load_step(double factor_start, double factor_end, NodeVectors& u, StepWork& work,
                                std::string& why_not) {
+  int n_negative_before = 0;
+  if (at_equilibrium_) {
+    body_->factorise(at_equilibrium_);
+    n_negative_before = n_negative_pivots();
+  } else {
+    body_->forget_factors();
+  }
   Newton newton(control_.newton);
   NodeVectors end = u;
   set_load(factor_end, end);
   NodeVectors increment = end - u;  // of prescribed motions
   const bool has_tangent = has_factors();
+  double predicted = std::numeric_limits<double>::max();  // size of the change
   if (has_tangent) {
     set_load(factor_start, end = u);
     const NodeVectors tangent_step = (factor_end - factor_start) * solve(load_rate(u));
     set_load(factor_end, end);
     end += tangent_step;
     increment = end - u;
+    predicted = increment.norm();
   }
   const NewtonReport report =
       newton.solve(*this, end, increment, has_tangent ? Newton::Factors::of_the_increment : Newton::Factors::unknown);
@@ -125,6 +143,18 @@ bool StaticSolution::load_step(double factor_start, double factor_end, NodeVecto
     why_not = body_->mesh().describe_element(inverted) + " at rest is turned inside out";
     return false;
   }
+  if ((end - u).norm() > largest_jump * predicted) {
+    why_not = "the equilibrium that is found lies more than three times as far away as the tangent says";
+    return false;
+  }
+  // The factors with which the next step begins, and what they tell of this one.
+  if (factorise(end, NodeVectors(0, 4)) >= 0) return false;
+  ++work.n_factorisations;
+  if (n_negative_pivots() > n_negative_before) {
+    why_not = "the equilibrium that is found is not stable";
+    return false;
+  }
+  at_equilibrium_ = body_->origin();
   work.residual = std::max(work.residual, report.residual);
   u.swap(end);
   return true;
@@ -144,6 +174,7 @@ void StaticSolution::finish(double factor, Motion& to) {
 
 void StaticSolution::set_load(double factor, NodeVectors& u) {
   factor_ = factor;
+  body_->held().check_finite(moment(factor).time);
   body_->held().hold(moment(factor).time, u);
   external_size_ = body_->external_size(u, moment(factor));
 }

@@ -14,10 +14,11 @@ struct StaticControl {
 
 /// A step of the load is a step of time: pressures, prescribed motions and other tables are taken at its end, the
 /// interface force likewise (a body at rest begins without one). The prediction follows the tangent at the start; kept
-/// factors serve all iterations that they are good enough for. A load step whose iteration fails is halved, at most
-/// four times, and grows again after two successes. When that is not enough the load has a limit there, or the path
-/// turns: it is followed by arc length through the limit points to the next equilibrium at the wanted load (a
-/// snap-through in dynamics), as long as the control allows it.
+/// factors serve all iterations that they are good enough for. A load step whose iteration fails, or ends on another
+/// branch (an equilibrium that is less stable than the one before, or much further away than the tangent says), is
+/// halved, at most four times, and grows again after two successes. When that is not enough the load has a limit there,
+/// or the path turns: it is followed by arc length through the limit points to the next equilibrium at the wanted load
+/// (a snap-through in dynamics), as long as the control allows it.
 ///
 /// Velocity and acceleration are zero. After each step the tangent at the equilibrium tells its stability
 /// (StepWork::n_negative_pivots).
@@ -33,7 +34,7 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   PathReport follow(const Motion& from, double duration, const surface::NodeArray& interface_force,
                     const ArcLengthControl& control, const std::function<bool(const PathPoint&)>& visit, Motion& to);
 
-  double kinetic_energy(const Motion&) const override { return 0; }
+  NodeVectors mass_times(const NodeVectors& vector) const override { return body_->mass_times(vector); }
   NodeVectors support_force(const Motion& motion) const override { return -body_->held_part(motion.force); }
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }
@@ -62,6 +63,7 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   double factor_ = 0;                     // of the load
   double external_size_ = 0;              // |external forces| at the factor [N]
   surface::NodeArray interface_force_;
+  std::shared_ptr<const FactorOrigin> at_equilibrium_;  // the last one found; null: none yet
 };
 
 }  // namespace couplet::solid

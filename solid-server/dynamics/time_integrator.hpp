@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "proto/report/failure.hpp"
 #include "solid-server/dynamics/body_equations.hpp"
 #include "solid-server/dynamics/motion.hpp"
 
@@ -29,9 +30,19 @@ struct StepWork {
   }
 };
 
-/// Equal steps in a duration, none of them longer than `largest` but for round-off.
+constexpr double n_equal_steps_most = 1e7;
+
+/// Equal steps in a duration, none of them longer than `largest` but for round-off. Throws SceneError when they are
+/// more than ten million: such a step would not end.
 inline int n_equal_steps(double duration, double largest) {
-  return std::max(1, static_cast<int>(std::ceil(duration / largest * (1 - 1e-12))));
+  const double n = std::ceil(duration / largest * (1 - 1e-12));
+  if (n <= n_equal_steps_most) return std::max(1, static_cast<int>(n));
+  throw report::SceneError(
+      "time.step",
+      report::text(duration) + " s takes " + report::text(n) + " substeps of " + report::text(largest) + " s",
+      "give a shorter step or a larger solid.time_integration.largest_substep; a very large "
+      "stiffness of contact makes substeps short; for slow motions take "
+      "solid.time_integration.method: GENERALIZED_ALPHA or STATIC");
 }
 
 class TimeIntegrator {
@@ -44,7 +55,8 @@ class TimeIntegrator {
   virtual StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
                            Motion& to) = 0;
 
-  virtual double kinetic_energy(const Motion& motion) const = 0;  // [J]
+  /// Mass times a velocity or an acceleration, with the mass that the method moves, (n_nodes, 4).
+  virtual NodeVectors mass_times(const NodeVectors& vector) const = 0;
   /// What supports exert on the body: inertia minus all other forces, on held components (n_nodes, 4) [N].
   virtual NodeVectors support_force(const Motion& motion) const = 0;
 

@@ -5,6 +5,8 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/element/deformation.hpp"
+#include "solid-server/element/stabilisation.hpp"
+#include "solid-server/element/volume_projection.hpp"
 
 namespace couplet::solid {
 
@@ -27,26 +29,57 @@ std::vector<Index> fill_lanes(const ElementBlock& block) {
   return lanes;
 }
 
-void store_geometry(const ReferencePoint& point, std::size_t lane, StoredPack* geometry) {
-  for (int k = 0; k < 3; ++k)
-    for (int J = 0; J < 3; ++J) geometry[3 * k + J].lane[lane] = point.inverse_jacobian(k, J);
-  geometry[9].lane[lane] = point.volume;
+/// dxi_k/dX_J and volume at the points, then what the formulation needs of the whole element.
+std::vector<double> geometry_at_points(const SolidMesh& mesh, const ElementBlock& block, Index element,
+                                       const std::vector<QuadraturePoint>& points, ElementFormulation formulation) {
+  const ElementVectors position = at_element(mesh.node_position, block.nodes_of(element));
+  std::vector<double> geometry, volume;
+  for (const QuadraturePoint& point : points) {
+    const ReferencePoint reference = reference_point(block.shape, position, point);
+    if (!(reference.volume > 0)) refuse_folded(mesh, block.first_element + element);
+    for (int k = 0; k < 3; ++k)
+      for (int J = 0; J < 3; ++J) geometry.push_back(reference.inverse_jacobian(k, J));
+    geometry.push_back(reference.volume);
+    volume.push_back(reference.volume);
+  }
+  if (formulation == ElementFormulation::near_incompressible)
+    for (const double entry : inverse_gram_matrix(block.shape, points, volume)) geometry.push_back(entry);
+  return geometry;
 }
 
-/// Geometry of the eight elements of a pack, (n_points, 10).
+std::vector<double> stabilised_geometry(const SolidMesh& mesh, const ElementBlock& block, Index element) {
+  const ElementVectors position = at_element(mesh.node_position, block.nodes_of(element));
+  for (const QuadraturePoint& point : element_quadrature(block.shape, 8))
+    if (!(reference_point(block.shape, position, point).volume > 0)) refuse_folded(mesh, block.first_element + element);
+  const auto geometry = stabilisation::geometry(position);
+  return {geometry.begin(), geometry.end()};
+}
+
+/// Geometry of the eight elements of a pack.
 std::vector<StoredPack> geometry_of(const SolidMesh& mesh, const ElementBlock& block,
                                     const std::array<Index, n_lanes>& elements,
-                                    const std::vector<QuadraturePoint>& points) {
-  std::vector<StoredPack> geometry(points.size() * 10);
+                                    const std::vector<QuadraturePoint>& points, ElementFormulation formulation) {
+  std::vector<StoredPack> geometry;
   for (std::size_t lane = 0; lane < n_lanes; ++lane) {
-    const ElementVectors position = at_element(mesh.node_position, block.nodes_of(elements[lane]));
-    for (std::size_t q = 0; q < points.size(); ++q) {
-      const ReferencePoint reference = reference_point(block.shape, position, points[q]);
-      if (!(reference.volume > 0)) refuse_folded(mesh, block.first_element + elements[lane]);
-      store_geometry(reference, lane, &geometry[10 * q]);
-    }
+    const auto of_element = formulation == ElementFormulation::stabilised
+                                ? stabilised_geometry(mesh, block, elements[lane])
+                                : geometry_at_points(mesh, block, elements[lane], points, formulation);
+    geometry.resize(of_element.size());
+    for (std::size_t n = 0; n < of_element.size(); ++n) geometry[n].lane[lane] = of_element[n];
   }
   return geometry;
+}
+
+/// Numbers of one kind that follow each other in the geometry of a pack: equal if they differ by little of the largest.
+std::vector<std::size_t> sizes_of_kinds(ElementFormulation formulation, std::size_t n_points, std::size_t n_numbers) {
+  if (formulation == ElementFormulation::stabilised) {
+    using namespace stabilisation;
+    return {position_at, frame_at - position_at, volume_at - frame_at, 1, 1, n_geometry - highest_at};
+  }
+  std::vector<std::size_t> sizes;
+  for (std::size_t q = 0; q < n_points; ++q) sizes.insert(sizes.end(), {9, 1});
+  if (n_numbers > 10 * n_points) sizes.push_back(n_numbers - 10 * n_points);
+  return sizes;
 }
 
 void store_axes(const ElementBlock& block, const std::array<Index, n_lanes>& elements, std::vector<StoredPack>& axes) {
@@ -59,18 +92,20 @@ void store_axes(const ElementBlock& block, const std::array<Index, n_lanes>& ele
 }
 
 /// Whether two geometries differ by no more than the round-off of node positions.
-bool are_alike(const std::vector<StoredPack>& a, const StoredPack* b) {
+bool are_alike(const std::vector<StoredPack>& a, const StoredPack* b, const std::vector<std::size_t>& sizes_of_kinds) {
   constexpr double round_off = 1e-12;
-  for (std::size_t q = 0; q < a.size(); q += 10)
+  std::size_t first = 0;
+  for (const std::size_t n_kind : sizes_of_kinds) {
     for (std::size_t lane = 0; lane < n_lanes; ++lane) {
       double size = 0, difference = 0;
-      for (std::size_t n = q; n < q + 9; ++n) {
+      for (std::size_t n = first; n < first + n_kind; ++n) {
         size = std::max(size, std::abs(a[n].lane[lane]));
         difference = std::max(difference, std::abs(a[n].lane[lane] - b[n].lane[lane]));
       }
       if (difference > round_off * size) return false;
-      if (std::abs(a[q + 9].lane[lane] - b[q + 9].lane[lane]) > round_off * a[q + 9].lane[lane]) return false;
     }
+    first += n_kind;
+  }
   return true;
 }
 
@@ -88,6 +123,8 @@ ElementPacks make_element_packs(const SolidMesh& mesh, const ElementBlock& block
   for (const QuadraturePoint& point : points) {
     const Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> gradient = shape_gradient(block.shape, point.xi);
     packs.natural_gradient.insert(packs.natural_gradient.end(), gradient.data(), gradient.data() + gradient.size());
+    if (formulation == ElementFormulation::near_incompressible)
+      for (const double value : volume_functions(block.shape, point.xi)) packs.volume_function.push_back(value);
   }
   packs.lane_element = fill_lanes(block);
   packs.n_packs = static_cast<Index>(packs.lane_element.size()) / n_lanes;
@@ -107,10 +144,11 @@ ElementPacks make_element_packs(const SolidMesh& mesh, const ElementBlock& block
         packs.node_start.push_back(NodeVectors::ColsAtCompileTime * block.nodes_of(element)[a]);
     if (!block.axes.empty()) store_axes(block, elements, packs.axes);
 
-    const auto geometry = geometry_of(mesh, block, elements, points);
+    const auto geometry = geometry_of(mesh, block, elements, points, formulation);
     if (per_layer > 0 && p >= per_layer) {
       const Index below = packs.geometry_start[static_cast<std::size_t>(p - per_layer)];
-      if (are_alike(geometry, &packs.geometry[static_cast<std::size_t>(below)])) {
+      const auto kinds = sizes_of_kinds(formulation, points.size(), geometry.size());
+      if (are_alike(geometry, &packs.geometry[static_cast<std::size_t>(below)], kinds)) {
         packs.geometry_start.push_back(below);
         continue;
       }

@@ -64,7 +64,11 @@ std::string SolidMesh::describe_element(Index element) const {
   for (const Index node : nodes) middle += node_position.row(node) / static_cast<double>(nodes.size());
   std::string text = "element " + std::to_string(elements.label.empty() ? element : elements.label[within]);
   if (!elements.line.empty()) text += " (" + file + ", line " + std::to_string(elements.line[within]) + ")";
-  return text + " at (" + report::text(middle.x()) + ", " + report::text(middle.y()) + ", " + report::text(middle.z()) +
+  return text + " at " + place_text(middle);
+}
+
+std::string place_text(const Eigen::Vector3d& position) {
+  return "(" + report::text(position.x()) + ", " + report::text(position.y()) + ", " + report::text(position.z()) +
          ") m";
 }
 

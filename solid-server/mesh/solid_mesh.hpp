@@ -92,6 +92,9 @@ struct SolidMesh {
   std::string describe_element(Index element) const;
 };
 
+/// "(x, y, z) m", for messages.
+std::string place_text(const Eigen::Vector3d& position);
+
 /// The nodes of a set of faces, rising, each once.
 std::vector<Index> nodes_of_faces(const SolidMesh& mesh, const std::vector<ElementFace>& faces);
 

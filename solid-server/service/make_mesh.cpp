@@ -4,16 +4,16 @@
 #include <numbers>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/mesh/annulus_mesh.hpp"
-#include "solid-server/mesh/arch_mesh.hpp"
-#include "solid-server/mesh/ball_mesh.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
 #include "solid-server/mesh/check_mesh.hpp"
-#include "solid-server/mesh/cylinder_beam_mesh.hpp"
-#include "solid-server/mesh/hollow_sphere_mesh.hpp"
-#include "solid-server/mesh/read_mesh.hpp"
-#include "solid-server/mesh/valve_mesh.hpp"
-#include "solid-server/mesh/vocal_fold_mesh.hpp"
+#include "solid-server/mesh/file/read_mesh.hpp"
+#include "solid-server/mesh/parametric/annulus_mesh.hpp"
+#include "solid-server/mesh/parametric/arch_mesh.hpp"
+#include "solid-server/mesh/parametric/ball_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "solid-server/mesh/parametric/cylinder_beam_mesh.hpp"
+#include "solid-server/mesh/parametric/hollow_sphere_mesh.hpp"
+#include "solid-server/mesh/parametric/valve_mesh.hpp"
+#include "solid-server/mesh/parametric/vocal_fold_mesh.hpp"
 
 namespace couplet::solid {
 

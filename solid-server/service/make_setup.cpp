@@ -6,9 +6,11 @@
 #include "proto/report/failure.hpp"
 #include "proto/scene/expression.hpp"
 #include "proto/scene/make_time_table.hpp"
+#include "solid-server/assembly/machine_memory.hpp"
 #include "solid-server/mesh/fibre_rule.hpp"
 #include "solid-server/service/make_material.hpp"
 #include "solid-server/service/make_mesh.hpp"
+#include "solid-server/service/mesh_size.hpp"
 
 namespace couplet::solid {
 
@@ -29,16 +31,15 @@ VectorOverTime make_vector(const v1::VectorTable& table) {
 }
 
 ElementFormulation formulation_of(const v1::Body& body, ElementShape shape) {
-  if (shape == ElementShape::hexahedron8) return ElementFormulation::stabilised;
-  if (body.near_incompressible() && shape == ElementShape::hexahedron20) return ElementFormulation::near_incompressible;
-  return ElementFormulation::standard;
+  const bool can_average = shape != ElementShape::hexahedron8;  // which is stabilised, and does not lock
+  return body.near_incompressible() && can_average ? ElementFormulation::near_incompressible
+                                                   : default_formulation(shape);
 }
 
-int n_points_of(const v1::Body& body, ElementShape shape) {
-  if (shape == ElementShape::hexahedron8) return 1;
-  if (shape == ElementShape::tetrahedron10) return 4;
-  if (body.has_points_per_element()) return body.points_per_element();
-  return body.near_incompressible() ? 27 : 8;
+int n_points_of(const v1::Body& body, const SolidMesh& mesh, const ElementBlock& block,
+                ElementFormulation formulation) {
+  if (body.has_points_per_element() && block.shape == ElementShape::hexahedron20) return body.points_per_element();
+  return default_n_points(mesh, block, formulation);
 }
 
 /// What each block of a body is made of: the material of its region, or that of the body.
@@ -54,8 +55,10 @@ std::vector<BlockProperties> make_properties(const v1::Body& body, const SolidMe
     const v1::Material& material = has_own ? region->material() : body.material();
     const std::string place =
         has_own ? entry(where + ".region", static_cast<int>(region - body.region().begin())) : where;
+    const ElementFormulation formulation = formulation_of(body, block.shape);
     properties.push_back({make_material(material, place + ".material"), material.density(),
-                          n_points_of(body, block.shape), formulation_of(body, block.shape)});
+                          n_points_of(body, mesh, block, formulation), formulation});
+    check_formulation(place + ".material", block.shape, formulation, properties.back().material);
   }
   for (int r = 0; r < body.region_size(); ++r) {
     const std::string& name = body.region(r).name();
@@ -189,6 +192,7 @@ void set_time_integration(const v1::TimeIntegration& given, SolidSetup& setup) {
 
 SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene_folder) {
   refuse_different_damping(solid);
+  refuse_too_many_elements(solid, machine_memory());
   SolidSetup setup;
   std::vector<SolidMesh> meshes;
   std::vector<std::string> names;

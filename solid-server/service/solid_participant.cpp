@@ -64,6 +64,9 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   if (!model_->accepted().why_method.empty())
     std::cerr << "solid-server: time integration: " << model_->accepted().why_method << '\n';
 
+  model_->n_substeps(request.scene.time().step());  // refuses a step without end before anything is written
+  if (is_new) warn_of_contact_at_rest();
+
   const Motion& motion = model_->accepted().motion;
   results_ = std::make_unique<ResultOutput>(request.scene.output(), request.run_folder,
                                             request.scene.solid().body(0).name(), model_->mesh(), motion.time);
@@ -110,10 +113,32 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
       {"solid.contact_energy", energy.contact, "J"},
       {"solid.contact_force", energy.contact_force, "N"},
       {"solid.substeps", static_cast<double>(model_->work_of_last_step().n_substeps), "1"}};
+  if (model_->may_lose_stiffness()) numbers.push_back(softened_elements());
   if (!is_explicit()) add_implicit_numbers(numbers);
   for (Orifice& orifice : orifices_)
     numbers.push_back({orifice.name(), orifice.area(model_->accepted().motion.displacement), "m^2"});
   return numbers;
+}
+
+void SolidParticipant::warn_of_contact_at_rest() const {
+  const double force = model_->contact_force_at_rest();
+  if (force > 0)
+    std::cerr << "solid-server: warning: t = 0 s: surfaces in contact are closer at rest than their distance, or stand "
+                 "beyond a rigid plane, and press with "
+              << report::text(force) << " N; move them apart, or lower solid.contact.distance\n";
+}
+
+/// How many elements have lost stiffness; the first time that one has, it is named.
+participant::NamedNumber SolidParticipant::softened_elements() {
+  const SoftenedElements softened = model_->softened();
+  if (softened.n > 0 && !has_warned_of_softening_) {
+    has_warned_of_softening_ = true;
+    std::cerr << "solid-server: warning: t = " << report::text(model_->accepted().motion.time)
+              << " s: " << model_->mesh().describe_element(softened.first)
+              << " is compressed so much that saint_venant_kirchhoff answers more compression with less stress; what "
+                 "follows means little, use neo_hookean or mooney_rivlin\n";
+  }
+  return {"solid.softened_elements", static_cast<double>(softened.n), "1"};
 }
 
 bool SolidParticipant::is_explicit() const {
@@ -150,6 +175,8 @@ std::vector<participant::NamedNumber> SolidParticipant::close(const std::string&
       numbers.push_back({"factorisations", static_cast<double>(work.n_factorisations), "1"});
       numbers.push_back({"worst_residual", work.residual, "1"});
     }
+    if (!model_->accepted().why_method.empty())
+      numbers.push_back({"time_integration", 0, "", model_->accepted().why_method});
     numbers.push_back({"element_seconds", model_->element_seconds(), "s"});
     numbers.push_back({"elements", static_cast<double>(model_->mesh().n_elements()), "1"});
     numbers.push_back({"nodes", static_cast<double>(model_->mesh().n_nodes()), "1"});

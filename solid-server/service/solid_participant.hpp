@@ -13,8 +13,8 @@ namespace couplet::solid {
 /// Needs force (when the scene has a flow), offers displacement and velocity of the wetted nodes; alone,
 /// of the markers and probed nodes. accept_step reports
 /// solid.kinetic_energy, solid.strain_energy, solid.contact_energy [J], solid.contact_force [N] of the accepted state
-/// solid.substeps of its step, and
-/// the open area of each orifice [m^2].
+/// solid.substeps of its step, solid.softened_elements when a law may lose stiffness in compression, and the open area
+/// of each orifice [m^2].
 class SolidParticipant : public participant::Participant {
  public:
   explicit SolidParticipant(participant::ServerOptions options) : options_(options) {}
@@ -28,6 +28,8 @@ class SolidParticipant : public participant::Participant {
 
  private:
   bool is_explicit() const;
+  void warn_of_contact_at_rest() const;
+  participant::NamedNumber softened_elements();
   void add_implicit_numbers(std::vector<participant::NamedNumber>& numbers) const;
   surface::FieldSet fields_at_surface(const Motion& motion) const;
   surface::NodeArray received_force(const surface::FieldSet& fields) const;
@@ -37,7 +39,7 @@ class SolidParticipant : public participant::Participant {
   std::unique_ptr<ResultOutput> results_;
   OfferedSurface offered_;
   std::vector<Orifice> orifices_;
-  bool needs_force_ = false;
+  bool needs_force_ = false, has_warned_of_softening_ = false;
   double seconds_ = 0;  // of computation
 };
 

@@ -1,6 +1,9 @@
 #include "solid-server/support/prescribed_motion.hpp"
 
+#include <cmath>
 #include <map>
+
+#include "proto/report/failure.hpp"
 
 namespace couplet::solid {
 
@@ -27,6 +30,18 @@ double HeldMotion::velocity(std::size_t n, double time, double step) const {
 
 double HeldMotion::acceleration(std::size_t n, double time, double step) const {
   return (displacement(n, time + step) - 2 * displacement(n, time) + displacement(n, time - step)) / (step * step);
+}
+
+void HeldMotion::check_finite(double time) const {
+  for (std::size_t n = 0; n < components_.size(); ++n) {
+    const double value = displacement(n, time);
+    if (std::isfinite(value)) continue;
+    throw report::NumericsError(
+        "solid.prescribed_motion \"" + motions_[motion_[n]].nodes + "\", t = " + report::text(time) + " s",
+        "the formula of " + std::string(1, "xyz"[components_[n].axis]) + " gives " + report::text(value) + " at " +
+            place_text(position_[n]),
+        "mend it: its value must be finite at all times");
+  }
 }
 
 void HeldMotion::hold(double time, NodeVectors& u) const {

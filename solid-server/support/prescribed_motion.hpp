@@ -35,6 +35,9 @@ class HeldMotion {
   double velocity(std::size_t n, double time, double step) const;
   double acceleration(std::size_t n, double time, double step) const;
 
+  /// Throws NumericsError when a displacement at that time is no finite number.
+  void check_finite(double time) const;
+
   /// Sets the held components of the displacements.
   void hold(double time, NodeVectors& displacement) const;
   /// Sets those of velocities.

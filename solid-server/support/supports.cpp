@@ -1,5 +1,7 @@
 #include "solid-server/support/supports.hpp"
 
+#include <algorithm>
+
 namespace couplet::solid {
 
 std::vector<SupportComponents> support_components(const SolidMesh& mesh, const Supports& supports) {
@@ -7,14 +9,14 @@ std::vector<SupportComponents> support_components(const SolidMesh& mesh, const S
   Eigen::Array<bool, Eigen::Dynamic, 3> is_held =
       Eigen::Array<bool, Eigen::Dynamic, 3>::Constant(mesh.n_nodes(), 3, false);
   const auto add = [&](const std::string& name, const std::string& where, int first_axis, int last_axis) {
-    SupportComponents support{name, {}};
+    auto support = std::find_if(found.begin(), found.end(), [&](const auto& s) { return s.name == name; });
+    if (support == found.end()) support = found.insert(found.end(), {name, {}});
     for (const Index node : mesh.find_nodes(name, where))
       for (int axis = first_axis; axis <= last_axis; ++axis)
         if (!is_held(node, axis)) {
           is_held(node, axis) = true;
-          support.components.push_back({node, axis});
+          support->components.push_back({node, axis});
         }
-    found.push_back(std::move(support));
   };
   const auto entry = [](const std::string& list, std::size_t n) { return list + "[" + std::to_string(n) + "]"; };
   for (std::size_t s = 0; s < supports.prescribed.size(); ++s)

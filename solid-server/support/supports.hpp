@@ -17,10 +17,10 @@ struct SymmetrySurface {
 struct Supports {
   std::vector<std::string> fixed;  // surfaces whose nodes do not move
   std::vector<SymmetrySurface> symmetry;
-  std::vector<PrescribedMotion> prescribed;
+  std::vector<PrescribedMotion> prescribed = {};
 };
 
-/// A named support, and the components that it holds. A component that several name belongs to the first: prescribed
+/// A named support, and the components that it holds: one for each name, which may hold axes by several motions. A component that several name belongs to the first: prescribed
 /// motions come before fixed surfaces and those before symmetry surfaces, in the order of the scene.
 struct SupportComponents {
   std::string name;

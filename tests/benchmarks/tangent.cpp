@@ -15,9 +15,9 @@
 #include "solid-server/assembly/tangent_solver.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/packed_tangent.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
-#include "solid-server/mesh/valve_mesh.hpp"
-#include "solid-server/mesh/vocal_fold_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "solid-server/mesh/parametric/valve_mesh.hpp"
+#include "solid-server/mesh/parametric/vocal_fold_mesh.hpp"
 #include "solid-server/modal/modal_analysis.hpp"
 
 namespace {

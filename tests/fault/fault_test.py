@@ -215,6 +215,14 @@ class RefusalTest(FaultCase):
         self.assertEqual(done.returncode, 5)
         self.assertIn("/dev/null/run", done.stderr)
 
+    def test_a_scene_whose_path_has_no_folder_runs(self):
+        with tempfile.TemporaryDirectory(prefix="couplet fault ") as folder:
+            (Path(folder) / "scene.txtpb").write_text(SCENE.read_text())
+            done = subprocess.run([COUPLET, "run", "scene.txtpb", "--out", "run", "--steps", "1", "--quiet", "--no-report"],
+                                  cwd=folder, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue((Path(folder) / "run" / "summary.json").exists())
+
     def test_a_run_is_not_overwritten_unasked(self):
         run = self.start("--steps", "2")
         self.assertEqual(run.end(60)[0], 0)

@@ -39,6 +39,16 @@ def run(couplet, scene, folder, settings, options=()):
     return done.returncode
 
 
+def run_text(couplet, text, folder, settings=(), options=()):
+    """Writes a scene beside its folder and runs it, anew when the text is another one; returns the exit code."""
+    scene = folder.with_name(folder.name + ".txtpb")
+    if not scene.exists() or scene.read_text() != text:
+        scene.parent.mkdir(parents=True, exist_ok=True)
+        scene.write_text(text)
+        (folder / "exit_code.txt").unlink(missing_ok=True)
+    return run(couplet, scene, folder, settings, ["--no-report", *options])
+
+
 def read_history(folder):
     """The columns of history.csv by name, without units."""
     with open(folder / "history.csv") as file:
@@ -90,3 +100,18 @@ def report(rows, json_file):
     n_outside = sum(r["verdict"] == "outside" for r in rows)
     print(f"{len(rows) - n_outside} rows inside or without a band, {n_outside} outside")
     return 1 if n_outside else 0
+
+
+def report_cases(cases, json_file):
+    """The rows of every case, of which one may end with a RuntimeError without stopping the others; as report."""
+    rows, failures = [], []
+    for name, case in cases.items():
+        try:
+            for row_of_case in case():
+                rows.append(row_of_case)
+        except RuntimeError as failure:
+            failures.append(f"{name}: {failure}")
+    code = report(rows, json_file)
+    for failure in failures:
+        print(failure)
+    return 1 if failures else code

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "solid-server/dynamics/work_team.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/modal/modal_analysis.hpp"
 
 namespace couplet::solid {

@@ -9,7 +9,7 @@
 #include "solid-server/contact/surface_contact.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/solid_model.hpp"
 #include "solid-server/support/supports.hpp"
 

@@ -9,7 +9,7 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/mass.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/modal/modal_analysis.hpp"
 #include "solid-server/solid_model.hpp"
 

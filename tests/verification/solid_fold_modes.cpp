@@ -5,7 +5,7 @@
 
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/mass.hpp"
-#include "solid-server/mesh/vocal_fold_mesh.hpp"
+#include "solid-server/mesh/parametric/vocal_fold_mesh.hpp"
 #include "solid-server/modal/mirror_symmetry.hpp"
 #include "solid-server/support/supports.hpp"
 

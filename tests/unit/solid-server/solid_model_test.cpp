@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
-#include "solid-server/mesh/vocal_fold_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "solid-server/mesh/parametric/vocal_fold_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

@@ -56,7 +56,8 @@ def write_history(path, n_rows, end):
     columns = {"time [s]": time, "dt [s]": numpy.full(n_rows, end / n_rows), "iterations [1]": numpy.full(n_rows, 3.0),
                "displacement.change [m]": numpy.full(n_rows, 1e-9), "displacement.relative_change [1]": numpy.full(n_rows, 1e-6),
                "exit.x [m]": 0 * time, "exit.y [m]": swing(time), "exit.z [m]": 0 * time,
-               "flow.rate [m^3/s]": 40 * area, "flow.smallest_area [m^2]": area, "solid.strain_energy [J]": 1e-6 * area}
+               "flow.rate [m^3/s]": 40 * area, "flow.smallest_area [m^2]": area, "solid.strain_energy [J]": 1e-6 * area,
+               "flow.exit_pressure [Pa]": 1e6 * area}
     numpy.savetxt(path, numpy.array(list(columns.values())).T, delimiter=",", header=",".join(columns), comments="")
 
 

@@ -86,5 +86,53 @@ TEST(SolidRules, NameLoadedNodes) {
                                              "marker \"tip\"; it has x_min, x_max, y_min, y_max, z_min, z_max")));
 }
 
+const std::string held_body = box_body("a", material + " fixed: \"x_min\"");
+
+TEST(SolidRules, RefuseDirectionsWithoutLength) {
+  const std::string zero = " direction { } value { row { time: 0 value: 1 } } ";
+  EXPECT_THAT(
+      complaints_about(solid_scene(held_body + "\ntraction { surface: \"x_max\" value {" + zero +
+                                   "} }\nnode_force { nodes: \"x_max\" value {" + zero + "} }\ngravity {" + zero +
+                                   "}\nrigid_plane { surface: \"y_max\" plane { point { } normal { } } }")),
+      ElementsAre("scene.txtpb:5:39: solid.traction[0].value.direction: all components are 0; give a direction, for "
+                  "example { x: 1 }",
+                  "scene.txtpb:6:39: solid.node_force[0].value.direction: all components are 0; give a direction, for "
+                  "example { x: 1 }",
+                  "scene.txtpb:7:12: solid.gravity.direction: all components are 0; give a direction, for example "
+                  "{ x: 1 }",
+                  "scene.txtpb:8:50: solid.rigid_plane[0].plane.normal: all components are 0; give a direction, for "
+                  "example { x: 1 }"));
+}
+
+TEST(SolidRules, RefuseAMotionWithoutComponents) {
+  EXPECT_THAT(
+      complaints_about(solid_scene(held_body + "\nprescribed_motion { nodes: \"x_max\" }")),
+      ElementsAre("scene.txtpb:5:1: solid.prescribed_motion[0]: has no component; give x, y or z, or delete it"));
+}
+
+TEST(SolidRules, WantSupportsAndNoVelocitiesInEquilibrium) {
+  const std::string equilibrium = "\ntime_integration { method: STATIC }";
+  EXPECT_THAT(complaints_about(solid_scene(box_body("a") + equilibrium)),
+              ElementsAre("scene.txtpb:4:1: solid.body[0]: nothing holds the body, so that it has no equilibrium; give "
+                          "fixed, symmetry or prescribed_motion, or another time_integration.method than STATIC"));
+  EXPECT_THAT(complaints_about(solid_scene(held_body + equilibrium)), IsEmpty());
+  EXPECT_THAT(
+      complaints_about(solid_scene(box_body("a") + equilibrium + "\nprescribed_motion { nodes: \"x_max\" x: \"t\" }")),
+      IsEmpty());
+  EXPECT_THAT(complaints_about(solid_scene(box_body("a") + equilibrium + "\ncontact { first: \"x_max\" }")), IsEmpty());
+  EXPECT_THAT(
+      complaints_about(solid_scene(held_body + equilibrium + "\nkick { time: 0 velocity { } }")),
+      ElementsAre("scene.txtpb:6:1: solid.kick[0]: an equilibrium has no velocities; delete it, or give another "
+                  "time_integration.method than STATIC"));
+}
+
+TEST(SolidRules, WantABoxWithAVolume) {
+  EXPECT_THAT(
+      complaints_about(solid_scene("body { name: \"a\" box { length { x: 1 y: -2 } } " + material + " }")),
+      ElementsAre(
+          "scene.txtpb:4:40: solid.body[0].box.length.y: -2 m is not above 0; give the length of the box along y",
+          "scene.txtpb:4:24: solid.body[0].box.length.z: 0 m is not above 0; give the length of the box along z"));
+}
+
 }  // namespace
 }  // namespace couplet::scene

@@ -32,13 +32,18 @@ TEST(Summary, HoldsEveryKeyOfTheContract) {
   summary.force_error_max = 1e-16;
   summary.moment_error_max = 2e-16;
   summary.work_error_max = 3e-16;
-  summary.programs = {{"solid-server", 1.25, 1e8, {{.name = "substeps", .value = 4, .unit = "1"}}}};
+  summary.programs = {
+      {"solid-server",
+       1.25,
+       1e8,
+       {{.name = "substeps", .value = 4, .unit = "1"}, {.name = "time_integration", .text = "AUTO, because"}}}};
   summary.quantities = {{"frequency", 136.5, "Hz", 0.1, 27}, {"peak_flow", 3e-4, "m^3/s"}};
   const auto expected = nlohmann::json::parse(R"({
     "status": "finished", "scene": "scene.txtpb", "steps": 12, "end_time": 0.25, "wall_seconds": 1.5, "core_seconds": 2.5,
     "coupling": {"iterations_mean": 3.25, "iterations_max": 7, "residual_at_acceptance_max": 1e-6},
     "conservation": {"force_error_max": 1e-16, "moment_error_max": 2e-16, "work_error_max": 3e-16},
-    "programs": {"solid-server": {"seconds": 1.25, "peak_memory_bytes": 1e8, "substeps": 4.0}},
+    "programs": {"solid-server": {"seconds": 1.25, "peak_memory_bytes": 1e8, "substeps": 4.0,
+                                  "time_integration": "AUTO, because"}},
     "quantities": {"frequency": {"value": 136.5, "unit": "Hz", "spread": 0.1, "cycles": 27.0},
                    "peak_flow": {"value": 3e-4, "unit": "m^3/s"}}})");
   auto found = written(summary);

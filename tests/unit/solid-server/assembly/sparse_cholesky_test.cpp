@@ -7,7 +7,7 @@
 #include <random>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "tests/unit/solid-server/assembly/random_blocks.hpp"
 
 namespace couplet::solid {

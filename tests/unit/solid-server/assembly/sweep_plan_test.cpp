@@ -5,7 +5,7 @@
 #include <set>
 
 #include "solid-server/element/internal_force.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

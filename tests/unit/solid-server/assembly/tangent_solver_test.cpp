@@ -8,7 +8,7 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/dynamics/work_team.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

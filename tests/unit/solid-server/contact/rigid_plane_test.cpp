@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

@@ -9,7 +9,7 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/element/element_packs.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

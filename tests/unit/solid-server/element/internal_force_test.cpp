@@ -3,14 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <random>
 
 #include "proto/report/failure.hpp"
 #include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
 #include "solid-server/mesh/hex20_topology.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {
@@ -172,7 +173,34 @@ TEST(InternalForce, NamesTheElementThatIsTurnedInsideOut) {
     if (std::abs(mesh.node_position(n, 0) - 13) < 1e-9) displacement(n, 0) = -2.5;
   std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs * packs.packs_of_force())), energy(3);
   for (const Material& material : {Material(svk), Material(rivlin)})
-    EXPECT_EQ(internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(), energy.data()), 12);
+    EXPECT_EQ(
+        internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(), energy.data()).inverted,
+        12);
+}
+
+// Twenty elements in a row, of which one to four are compressed to half of their length: below 1/sqrt(3).
+TEST(InternalForce, CountsElementsThatHaveLostStiffness) {
+  const SolidMesh mesh = make_box_mesh({{20, 1, 1}, {20, 1, 1}});
+  for (const int n_points : {8, 14, 27}) {
+    const ElementPacks packs = make_element_packs(mesh, mesh.block[0], n_points);
+    std::vector<StoredPack> buffer(static_cast<std::size_t>(packs.n_packs * packs.packs_of_force())), energy(3);
+    const auto findings = [&](int first, int n, const Material& material, bool with_energy) {
+      NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
+      for (Index node = 0; node < mesh.n_nodes(); ++node)
+        displacement(node, 0) = -0.5 * std::clamp(mesh.node_position(node, 0) - first, 0.0, static_cast<double>(n));
+      return internal_force(packs, material, 0, packs.n_packs, displacement.data(), buffer.data(),
+                            with_energy ? energy.data() : nullptr);
+    };
+    EXPECT_EQ(findings(0, 0, svk, true).n_softened, 0);  // nor do the copies that fill up the last pack count
+    EXPECT_EQ(findings(0, 0, svk, true).softened, -1);
+    for (const int first : {0, 6, 16}) {
+      EXPECT_EQ(findings(first, 4, svk, true).softened, first);
+      EXPECT_EQ(findings(first, 4, svk, true).n_softened, 4);
+      EXPECT_EQ(findings(first, 4, svk, true).inverted, -1);
+    }
+    EXPECT_EQ(findings(6, 4, svk, false).n_softened, 0);
+    EXPECT_EQ(findings(6, 4, rivlin, true).n_softened, 0);
+  }
 }
 
 TEST(ElementPacks, RefuseAnElementThatIsFoldedAtRest) {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "solid-server/element/tangent.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "tests/unit/solid-server/material/material_examples.hpp"
 
 namespace couplet::solid {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Geometry>
 
-#include "solid-server/mesh/box_mesh.hpp"
+#include "tests/unit/solid-server/element/meshes_of_shapes.hpp"
 
 namespace couplet::solid {
 namespace {
@@ -41,8 +41,10 @@ NodeVectors bulged(const SolidMesh& mesh) {
   return displacement;
 }
 
-TEST(PressureForce, OfAClosedSurfaceIsZeroInForceAndMoment) {
-  const SolidMesh mesh = make_box_mesh({{1, 1, 1}, {2, 3, 2}});
+class PressureForceOn : public testing::TestWithParam<ElementShape> {};
+
+TEST_P(PressureForceOn, AClosedSurfaceIsZeroInForceAndMoment) {
+  const SolidMesh mesh = in_shape(make_box_mesh({{1, 1, 1}, {2, 3, 2}}), GetParam());
   const NodeVectors displacement = bulged(mesh);
   const NodePositions force = nodal_forces(mesh, all_faces(mesh), 1000, displacement);
   EXPECT_LE(force.colwise().sum().cwiseAbs().maxCoeff(), 1e-12 * 1000);  // round-off of p times an area of 1 m^2
@@ -54,6 +56,10 @@ TEST(PressureForce, OfAClosedSurfaceIsZeroInForceAndMoment) {
   // The quadrature is exact to degree 5 a direction; x times the area vector has degree 5 along curved edges.
   EXPECT_LE(moment.cwiseAbs().maxCoeff(), 1e-12 * 1000);
 }
+
+INSTANTIATE_TEST_SUITE_P(Shapes, PressureForceOn,
+                         testing::Values(ElementShape::hexahedron20, ElementShape::hexahedron8,
+                                         ElementShape::tetrahedron10));
 
 TEST(PressureForce, PushesOntoTheBodyWithPressureTimesArea) {
   const SolidMesh mesh = make_box_mesh({{2, 3, 1}, {3, 2, 1}});

@@ -9,9 +9,9 @@
 #include <fstream>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
-#include "solid-server/mesh/read_mesh.hpp"
-#include "tests/unit/solid-server/mesh/mesh_texts.hpp"
+#include "solid-server/mesh/file/read_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "tests/unit/solid-server/mesh/file/mesh_texts.hpp"
 
 namespace couplet::solid {
 namespace {

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/mesh/annulus_mesh.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/annulus_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/mesh/box_mesh.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
 namespace {

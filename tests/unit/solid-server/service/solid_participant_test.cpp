@@ -4,12 +4,14 @@
 #include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "proto/report/failure.hpp"
 #include "proto/store/result_reader.hpp"
 #include "solid-server/service/estimate_solid.hpp"
 #include "solid-server/service/make_setup.hpp"
+#include "solid-server/service/mesh_size.hpp"
 
 namespace couplet::solid {
 namespace {
@@ -89,6 +91,18 @@ std::filesystem::path fresh_folder(const std::string& name) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder / "results");
   return folder;
+}
+
+const participant::NamedNumber& find(const std::vector<participant::NamedNumber>& numbers, const std::string& name) {
+  const auto found = std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.name == name; });
+  if (found == numbers.end()) throw std::out_of_range(name);
+  return *found;
+}
+double value_of(const std::vector<participant::NamedNumber>& numbers, const std::string& name) {
+  return find(numbers, name).value;
+}
+std::string text_of(const std::vector<participant::NamedNumber>& numbers, const std::string& name) {
+  return find(numbers, name).text;
 }
 
 std::vector<std::string> names(const std::vector<participant::NamedNumber>& numbers) {
@@ -207,7 +221,55 @@ TEST(Estimate, SaysHowBigAndHowLong) {
   EXPECT_THAT(names(numbers),
               testing::IsSupersetOf({"elements", "nodes", "degrees_of_freedom", "memory_bytes", "stable_step",
                                      "substeps_per_step", "seconds_per_substep", "seconds"}));
-  for (const auto& number : numbers) EXPECT_GT(number.value, 0) << number.name;
+  for (const auto& number : numbers) EXPECT_NE(number.value > 0, !number.text.empty()) << number.name;
+  EXPECT_EQ(text_of(numbers, "time_integration"), "CENTRAL_DIFFERENCE");
+  EXPECT_EQ(text_of(numbers, "elements_of_body"), "24 of hexahedron20, 27 points, standard");
+  EXPECT_GT(value_of(numbers, "degrees_of_freedom"), value_of(numbers, "nodes"));
+  EXPECT_LT(value_of(numbers, "degrees_of_freedom"), 3 * value_of(numbers, "nodes"));  // supports hold some
+}
+
+TEST(Estimate, MeasuresImplicitAndStaticStepsByAFactorisation) {
+  for (const char* const method : {"GENERALIZED_ALPHA", "STATIC"}) {
+    auto implicit = request(solid_text);
+    implicit.scene.mutable_solid()->clear_kick();
+    v1::TimeIntegration::Method value{};
+    ASSERT_TRUE(v1::TimeIntegration::Method_Parse(method, &value));
+    implicit.scene.mutable_solid()->mutable_time_integration()->set_method(value);
+    const auto numbers = estimate_solid(implicit, 1);
+    EXPECT_EQ(text_of(numbers, "time_integration"), method);
+    EXPECT_EQ(value_of(numbers, "substeps_per_step"), 1);
+    EXPECT_NEAR(value_of(numbers, "seconds") / value_of(numbers, "seconds_per_step"), 50000, 1);  // 1 s of 2e-5 s
+    EXPECT_GT(value_of(numbers, "memory_bytes"), value_of(estimate_solid(request(solid_text), 1), "memory_bytes"));
+  }
+}
+
+TEST(MeshSize, RefusesWhatCannotBeNumberedOrHeld) {
+  auto large = request(solid_text).scene.solid();
+  auto& fold = *large.mutable_body(0)->mutable_vocal_fold();
+  EXPECT_NO_THROW(refuse_too_many_elements(large, 1e9));
+  EXPECT_EQ(n_elements_wanted(large.body(0)), 24);
+  EXPECT_EQ(make_setup(large, ".").mesh.n_elements(), 24);
+  fold.set_elements_x(100);
+  fold.set_elements_y(100);
+  fold.set_elements_z(100);
+  const auto message = [&](double memory) -> std::string {
+    try {
+      refuse_too_many_elements(large, memory);
+    } catch (const report::SceneError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message(1e9), "");
+  EXPECT_EQ(message(5e8),
+            "solid.body[0].vocal_fold: 500000 elements need at least 1 GB of memory, but this machine has 0 GB; give "
+            "fewer elements");
+  fold.set_elements_x(1000);
+  fold.set_elements_y(1000);
+  fold.set_elements_z(1000);
+  EXPECT_EQ(message(1e15),
+            "solid.body[0].vocal_fold: 5e+08 elements are more than the 107 million that can be numbered; give fewer "
+            "elements");
 }
 
 TEST(WorthwhileThreads, AreNeverMoreThanOfferedAndOneForASmallBody) {
