@@ -20,7 +20,7 @@ def energies(history):
 
 def bending_rows(options):
     """A cantilever of Poisson ratio 0.4999 under its end load, beside one of 0.49 on a fine mesh, whose bending stiffness is 1.0066 times less."""
-    shear = f'  traction {{ surface: "x_max"  value {{ direction {{ z: 1 }}  {ramp(40.0)} }} }}\n'
+    shear = f'  traction {{ surface: "x_max"  value {{ direction {{ z: 1 }}  {ramp(10.0)} }} }}\n'
 
     def deflection(name, elements, poisson_ratio, *extra):
         solid = body("beam", box((0.1, 0.01, 0.01), elements), neo_hookean(15e3, poisson_ratio, 1040), 'fixed: "x_min"', *extra)
@@ -82,6 +82,7 @@ FOLD = """  body {{
   }}
   rigid_plane {{ y: 0.0101  stiffness: 1e8 }}
   pressure {{ surface: "inferior"  {pressure} }}
+  pressure {{ surface: "medial"  {pressure} }}
 """
 PLANE = 0.0101
 

@@ -1,10 +1,5 @@
-"""Cantilevers with large rotations: end shear against the Reissner beam, end moment against the circle."""
+"""A cantilever with large rotations under end shear, against the Reissner beam."""
 
-from pathlib import Path
-
-import numpy
-
-import abaqus_mesh
 import stored_runs as runs
 from solid_scene import STATIC, around, body, box, probe, ramp, saint_venant_kirchhoff, scene, solve
 
@@ -40,35 +35,5 @@ def shear_rows(options, reference):
                        (0, 40) if step == 0.25 and elements == (16, 2, 1) and not points else None, **varied)
 
 
-def end_moment(options, n, share, height):
-    """Two pressures of opposite sign on the halves of the end face follow it: a moment p b h^2/4 without a resultant."""
-    length, width, young_modulus = 12.0, 1.0, 1.2e6
-    elements = (n, 2, 1)
-    nodes, blocks = abaqus_mesh.block(elements, lambda x, y, z: (length * x, height * (y - 0.5), width * z))
-    end = abaqus_mesh.side(elements, 0, 1)
-    mesh = Path(options.out).resolve() / "meshes" / f"moment-{n}-{height}.inp"
-    abaqus_mesh.write(mesh, nodes, blocks, {"root": abaqus_mesh.side(elements, 0, 0), "lower": end[:1], "upper": end[1:]},
-                      {"tip": [(2 * n, 2, 0), (2 * n, 2, 2)]})
-    moment = share * 2 * numpy.pi * young_modulus * width * height**3 / 12 / length
-    pressure = 4 * moment / (width * height**2)
-    loads = "".join(f'  pressure {{ surface: "{half}"  {ramp(sign * pressure)} }}\n' for half, sign in (("lower", -1.0), ("upper", 1.0)))
-    name = f"moment-{share}-{n}x2x1-h{height}"
-    text = scene(name, 1.0, 0.05, body("beam", f'mesh_file {{ file: "{mesh}" }}', saint_venant_kirchhoff(young_modulus, 0.0), 'fixed: "root"')
-                 + loads, STATIC, probe("tip", (length, 0, 0)))
-    history, folder = solve(options, name, text)
-    return history, folder, name, length
-
-
-def moment_rows(options, reference):
-    for n, share, height in [(24, 0.5, 0.1), (48, 0.5, 0.1), (48, 1.0, 0.1), (96, 1.0, 0.1)][: 1 if options.quick else None]:
-        history, folder, name, length = end_moment(options, n, share, height)
-        varied = {"mesh": f"{n}x2x1", "newton_iterations": history["solid.newton_iterations"].sum()}
-        for axis, sign, quantity in (("x", -1, "-U/L"), ("y", 1, "W/L")):
-            expected = reference["cantilever_end_moment", f"M/M0={share:g}", quantity]
-            value = sign * history[f"tip.{axis}"][-1] / length
-            yield runs.row(name, quantity, value, expected, "circle of an inextensible beam", folder, **varied)
-
-
 def rows(options, reference):
     yield from shear_rows(options, reference)
-    yield from moment_rows(options, reference)
