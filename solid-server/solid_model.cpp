@@ -259,6 +259,7 @@ void SolidModel::accept_step() {
   const auto contact = p.force.external().contact_total(motion.displacement.data());
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
+  p.energy.contact_distance = contact.smallest_distance;
   if (++p.accepted.n_accepted_since_estimate >= p.setup.step.estimate_every) p.estimate_stable_step();
 }
 

@@ -2,6 +2,7 @@
 // One deformable body that moves under loads: the door through which the service and the tests see the solid.
 
 #include <memory>
+#include <optional>
 
 #include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
@@ -68,6 +69,8 @@ struct Reaction {
 struct SolidEnergy {
   double kinetic = 0, strain = 0, contact = 0;  // [J]
   double contact_force = 0;                     // of rigid planes on bodies and of bodies on each other [N]
+  std::optional<double> contact_distance;  // smallest one of surfaces that touch, their d0 when none does; negative
+                                           // behind a surface; absent without contact of surfaces [m]
 };
 
 /// Two states: accepted and trial. solve_step always starts from the accepted one.

@@ -17,7 +17,7 @@ from solid_states import choose_moments
 
 ENERGIES = {"solid.kinetic_energy": "kinetic", "solid.strain_energy": "strain", "solid.contact_energy": "contact"}
 WORK = {"solid.external_work": "work of the loads", "solid.damping_work": "lost to damping"}
-CONTACT = {"solid.contact_force": "contact force", "solid.smallest_distance": "smallest distance"}
+CONTACT = {"solid.contact_force": "contact force", "solid.contact_distance": "smallest distance"}
 STEPS = {"solid.substeps": "substeps", "solid.newton_iterations": "Newton iterations", "solid.residual": "relative residual",
          "solid.negative_pivots": "negative pivots", "solid.softened_elements": "softened elements"}
 COUNTS = ("solid.substeps", "solid.newton_iterations", "solid.negative_pivots", "solid.softened_elements")
@@ -247,7 +247,7 @@ def contact(run):
     names = _changing(run, CONTACT) if has_rows(run, 3) else []
     if not names:
         return ""
-    words = {"solid.contact_force": "what surfaces or planes press on bodies", "solid.smallest_distance": "how close surfaces come that touch"}
+    words = {"solid.contact_force": "what surfaces or planes press on bodies", "solid.contact_distance": "how close surfaces come that touch"}
     caption = "; ".join(words[name] for name in names)
     return section("Contact", figure(_plots(run, names, "contact", CONTACT), f"{caption[0].upper()}{caption[1:]}."))
 

@@ -101,14 +101,18 @@ Index TangentSolver::assemble(const NodeVectors& displacement, TangentWeights we
 }
 
 void TangentSolver::add(Index node_a, Index node_b, const Eigen::Matrix3d& block) {
-  if (!parts_->matrix.add_symmetric_part(node_a, node_b, block)) parts_->outside.push_back({node_a, node_b, block});
+  if (!parts_->matrix.add_symmetric_part(node_a, node_b, block) && !block.isZero(0))
+    parts_->outside.push_back({node_a, node_b, block});
 }
 
 void TangentSolver::factorise() {
   const Stopwatch stopwatch(parts_->cost.factorisation_seconds);
   ++parts_->cost.n_factorisations;
-  if (!parts_->outside.empty()) {
-    std::erase_if(parts_->extra, [&](const auto& pair) { return parts_->matrix.is_zero(pair.first, pair.second); });
+  // The pattern, and with it the order of elimination and the round-off, is that of this matrix whatever came before: a
+  // resumed run has the same bits.
+  const auto n_unused =
+      std::erase_if(parts_->extra, [&](const auto& p) { return parts_->matrix.is_zero(p.first, p.second); });
+  if (n_unused > 0 || !parts_->outside.empty()) {
     for (const auto& [a, b, block] : parts_->outside) parts_->extra.emplace_back(std::max(a, b), std::min(a, b));
     std::sort(parts_->extra.begin(), parts_->extra.end());
     parts_->extra.erase(std::unique(parts_->extra.begin(), parts_->extra.end()), parts_->extra.end());

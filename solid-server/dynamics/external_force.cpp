@@ -145,7 +145,7 @@ ExternalForce::ContactTotal ExternalForce::contact_total(const double* displacem
   }
   if (surface_contact_.is_empty()) return sum;
   const SurfaceContact::Total total = surface_contact_.total(displacement);
-  return {sum.energy + total.energy, sum.force + total.force};
+  return {sum.energy + total.energy, sum.force + total.force, total.smallest_distance};
 }
 
 Eigen::VectorXd ExternalForce::contact_stiffness_bound() const {

@@ -1,6 +1,8 @@
 #pragma once
 // What acts on a body from outside its elements: the interface load, prescribed loads, contact.
 
+#include <optional>
+
 #include "solid-server/assembly/force_part.hpp"
 #include "solid-server/contact/rigid_plane.hpp"
 #include "solid-server/contact/surface_contact.hpp"
@@ -45,8 +47,9 @@ class ExternalForce {
   SurfaceContact& surface_contact() { return surface_contact_; }
 
   struct ContactTotal {
-    double energy = 0;  // [J]
-    double force = 0;   // of rigid planes on bodies and of bodies on each other [N]
+    double energy = 0;                        // [J]
+    double force = 0;                         // of rigid planes on bodies and of bodies on each other [N]
+    std::optional<double> smallest_distance;  // as in SurfaceContact::Total [m]; absent without contact of surfaces
   };
   ContactTotal contact_total(const double* displacement);
   /// For each node, what contact adds to omega_max^2 times its mass at most [N/m].

@@ -114,6 +114,7 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
       {"solid.contact_force", energy.contact_force, "N"},
       {"solid.substeps", static_cast<double>(model_->work_of_last_step().n_substeps), "1"}};
   if (model_->may_lose_stiffness()) numbers.push_back(softened_elements());
+  if (energy.contact_distance) numbers.push_back({"solid.contact_distance", *energy.contact_distance, "m"});
   if (!is_explicit()) add_implicit_numbers(numbers);
   for (Orifice& orifice : orifices_)
     numbers.push_back({orifice.name(), orifice.area(model_->accepted().motion.displacement), "m^2"});

@@ -90,7 +90,7 @@ def write_contact_run(folder, shapes=("hexahedron20", "tetrahedron10")):
     write_table(folder / "history.csv", {
         "time [s]": time, "dt [s]": 0 * time + 1e-3, "inner_iterations [1]": 0 * time + 3, "solid.kinetic_energy [J]": 1e-6 * time,
         "solid.strain_energy [J]": 1e-6 * touch, "solid.contact_energy [J]": 1e-7 * touch, "solid.contact_force [N]": touch,
-        "solid.smallest_distance [m]": 1e-4 * (1 - touch), "solid.substeps [1]": 0 * time + 1, "solid.newton_iterations [1]": 2 + (touch > 0)})
+        "solid.contact_distance [m]": 1e-4 * (1 - touch), "solid.substeps [1]": 0 * time + 1, "solid.newton_iterations [1]": 2 + (touch > 0)})
     write_summary(folder, 100, 0.1)
     return folder
 

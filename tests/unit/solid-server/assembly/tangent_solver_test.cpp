@@ -222,5 +222,22 @@ TEST(TangentSolver, RefusesABodyThatIsNotHeld) {
                report::SceneError);
 }
 
+TEST(TangentSolver, KeepsNoTraceOfPairsThatAreGone) {
+  const SolidMesh mesh = bar();
+  WorkTeam team(1);
+  TangentSolver used(mesh, two_materials(), clamped(mesh), team), fresh(mesh, two_materials(), clamped(mesh), team);
+  const NodeVectors displacement = wavy(mesh, 0.02);
+  used.assemble(displacement, {1, 1e4}, nullptr);
+  const Index a = 0, b = mesh.n_nodes() - 1;
+  for (const auto& [m, n] : {std::pair{a, b}, std::pair{b, a}}) used.add(m, n, -Eigen::Matrix3d::Identity());
+  used.factorise();  // with a pair that no element has
+  for (TangentSolver* const solver : {&used, &fresh}) {
+    solver->assemble(displacement, {1, 1e4}, nullptr);
+    solver->factorise();
+  }
+  EXPECT_EQ(used.memory_bytes(), fresh.memory_bytes());
+  EXPECT_EQ(used.solve(scattered(mesh)), fresh.solve(scattered(mesh)));
+}
+
 }  // namespace
 }  // namespace couplet::solid

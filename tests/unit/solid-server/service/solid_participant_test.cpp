@@ -135,6 +135,32 @@ TEST(SolidParticipant, ReportsTheSameQuantitiesAtEveryStep) {
   EXPECT_THAT(names(driven.solid.close("done")), testing::IsSupersetOf({"seconds", "peak_memory_bytes", "substeps"}));
 }
 
+TEST(SolidParticipant, ReportsHowCloseSurfacesAre) {
+  Driven driven(request(R"scene(
+    time { end: 1 step: 2e-5 }
+    solid {
+      body {
+        name: "valve" valve { thickness: 0.3e-3 elements_u: 4 elements_v: 2 } fixed: "base"
+        material { density: 1000 saint_venant_kirchhoff { young_modulus: 1.5e6 poisson_ratio: 0.4 } }
+      }
+      pressure { surface: "ventricular" value { row { time: 0 value: -2000 } } }
+      contact { first: "contact_1" second: "contact_2" distance: 5e-5 }
+    }
+  )scene"));
+  const auto find = [&](const std::string& name) {
+    return std::find_if(driven.numbers.begin(), driven.numbers.end(), [&](const auto& n) { return n.name == name; });
+  };
+  driven.go();
+  ASSERT_NE(find("solid.contact_distance"), driven.numbers.end());
+  EXPECT_EQ(find("solid.contact_distance")->unit, "m");
+  EXPECT_EQ(find("solid.contact_distance")->value, 5e-5);  // the leaflets are 0.1 mm apart: nothing touches yet
+  EXPECT_EQ(find("solid.contact_force")->value, 0);
+  int n_steps = 0;
+  while (find("solid.contact_force")->value == 0 && ++n_steps < 100) driven.go();
+  EXPECT_LT(find("solid.contact_distance")->value, 5e-5);
+  EXPECT_GT(find("solid.contact_distance")->value, 0);
+}
+
 TEST(SolidParticipant, ResumesFromACheckpointWithTheSameBits) {
   const auto path = fresh_folder("solid_resume") / "fold.h5";
   Driven through(request(solid_text + flow_text)), first(request(solid_text + flow_text));
