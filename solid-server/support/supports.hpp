@@ -20,8 +20,9 @@ struct Supports {
   std::vector<PrescribedMotion> prescribed = {};
 };
 
-/// A named support, and the components that it holds: one for each name, which may hold axes by several motions. A component that several name belongs to the first: prescribed
-/// motions come before fixed surfaces and those before symmetry surfaces, in the order of the scene.
+/// A named support, and the components that it holds: one for each name, which may hold axes by several motions. A
+/// component that several name belongs to the first: prescribed motions come before fixed surfaces and those before
+/// symmetry surfaces, in the order of the scene.
 struct SupportComponents {
   std::string name;
   std::vector<HeldMotion::Component> components;

@@ -124,7 +124,7 @@ def long_step_rows(options):
 
 
 def last_state(folder):
-    with h5py.File(sorted((folder / "checkpoint").glob("step-*/solid.h5"))[-1]) as file:
+    with h5py.File(sorted((folder / "checkpoint").glob("step-*/alone.h5"))[-1]) as file:
         return {name: file[name][()] for name in ("displacement", "velocity", "force") if name in file}
 
 
