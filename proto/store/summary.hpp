@@ -11,7 +11,7 @@ namespace couplet::store {
 struct SummaryQuantity {
   std::string name;
   double value = 0;
-  std::string unit;
+  std::string unit = {};
   double spread = -1;     // standard deviation over the cycles; negative: none
   double n_cycles = -1;   // cycles used; negative: none
   std::string text = {};  // of a program, in place of the number; empty: none
