@@ -107,8 +107,11 @@ void TangentSolver::add(Index node_a, Index node_b, const Eigen::Matrix3d& block
 void TangentSolver::factorise() {
   const Stopwatch stopwatch(parts_->cost.factorisation_seconds);
   ++parts_->cost.n_factorisations;
-  if (!parts_->outside.empty()) {
-    std::erase_if(parts_->extra, [&](const auto& pair) { return parts_->matrix.is_zero(pair.first, pair.second); });
+  // The pattern holds the pairs that this matrix has and no others: what came before would change the order of
+  // elimination, and with it the last bits.
+  const auto is_unused = [&](const auto& pair) { return parts_->matrix.is_zero(pair.first, pair.second); };
+  if (!parts_->outside.empty() || std::any_of(parts_->extra.begin(), parts_->extra.end(), is_unused)) {
+    std::erase_if(parts_->extra, is_unused);
     for (const auto& [a, b, block] : parts_->outside) parts_->extra.emplace_back(std::max(a, b), std::min(a, b));
     std::sort(parts_->extra.begin(), parts_->extra.end());
     parts_->extra.erase(std::unique(parts_->extra.begin(), parts_->extra.end()), parts_->extra.end());

@@ -227,10 +227,10 @@ class Warnings(SolidCase):
         self.assertEqual(self.run_solid(scene(acting=pressure(10))).returncode, 0)
         self.assertFalse(any("softened" in name for name in self.history()[0]))
 
-    def test_surfaces_that_overlap_at_rest(self):
+    def test_a_body_beyond_a_plane_at_rest(self):
         done = self.run_solid(scene(acting='rigid_plane { y: 0.0099 stiffness: 1e6 surface: "y_max" }'))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stderr, r"warning: t = 0 s: surfaces .* press with 0\.01 N; move them apart")
+        self.assertRegex(done.stderr, r"warning: t = 0 s: a body stands beyond a rigid plane at rest and is pushed back with 0\.01 N; move the plane")
 
     def test_the_summary_says_why_a_method_was_chosen(self):
         stiff = "material { density: 1000 neo_hookean { shear_modulus: 1e9 bulk_modulus: 2e9 } }"

@@ -35,16 +35,16 @@ const std::string two_blocks = R"(
                                rubber + R"( fixed: "y_min" mass_damping: 20 }
   body { name: "upper" ball { radius: 0.008 centre { x: 0.015 y: 0.01805 z: 0.01 } part: LOWER_HALF elements: 1 } )" +
                                rubber + R"( mass_damping: 20 }
-  prescribed_motion { nodes: "upper/cut" x: "0.2*t" y: "-0.5*t" z: "0" }
+  prescribed_motion { nodes: "upper/cut" x: "0.2*t" y: "-0.15*t" z: "0" }
   contact { first: "lower/y_max" second: "upper/surface" distance: 1e-4 })";
 
 const std::vector<Case> cases = {
     {"CentralDifference", one_block + kick, 1e-4},
     {"GeneralizedAlpha", one_block + kick + "time_integration { method: GENERALIZED_ALPHA }", 1e-4},
     {"Static", one_block + "time_integration { method: STATIC }", 1e-4},
-    {"CentralDifferenceInContact", two_blocks, 1e-4, true},
-    {"GeneralizedAlphaInContact", two_blocks + "time_integration { method: GENERALIZED_ALPHA }", 1e-4, true},
-    {"StaticInContact", two_blocks + "time_integration { method: STATIC }", 1e-4, true},
+    {"CentralDifferenceInContact", two_blocks, 4e-4, true},
+    {"GeneralizedAlphaInContact", two_blocks + "time_integration { method: GENERALIZED_ALPHA }", 4e-4, true},
+    {"StaticInContact", two_blocks + "time_integration { method: STATIC }", 4e-4, true},
 };
 
 SolidModel make_model(const Case& c, int n_threads = 1) {
