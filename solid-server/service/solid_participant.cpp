@@ -124,9 +124,8 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
 void SolidParticipant::warn_of_contact_at_rest() const {
   const double force = model_->contact_force_at_rest();
   if (force > 0)
-    std::cerr << "solid-server: warning: t = 0 s: surfaces in contact are closer at rest than their distance, or stand "
-                 "beyond a rigid plane, and press with "
-              << report::text(force) << " N; move them apart, or lower solid.contact.distance\n";
+    std::cerr << "solid-server: warning: t = 0 s: a body stands beyond a rigid plane at rest and is pushed back with "
+              << report::text(force) << " N; move the plane, or the body\n";
 }
 
 /// How many elements have lost stiffness; the first time that one has, it is named.

@@ -193,7 +193,7 @@ class FailingRuns(SolidCase):
         with h5py.File(self.folder / "run" / "results" / "b.h5") as file:
             self.assertEqual(int(file["n_states"][()].ravel()[0]), 1 + summary["steps"])
         milder = scene(acting=pressure(10, start=5e-4, end=6e-4), output=output)
-        done = self.run_solid(milder, out="again", more=("--resume", str(self.folder / "run")))
+        done = self.run_solid(milder, out="again", more=("--resume", str(self.folder / "run" / "checkpoint" / "step-0000000005")))
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(len(self.history("again")), 11)
 
@@ -202,15 +202,15 @@ class FailingRuns(SolidCase):
         self.assertEqual(self.run_solid(scene(output=output), more=("--steps", "1")).returncode, 0)
         other = scene(BOX.replace("elements_x: 2", "elements_x: 3") + SOFT + 'fixed: "x_min"', output=output)
         done = self.run_solid(other, out="other", more=("--resume", str(self.folder / "run")))
-        self.expect(done, FILE, "holds 81 nodes, but the body has 117", "resume with the scene")
+        self.expect(done, FILE, "holds 81 nodes, but the body has 111", "resume with the scene")
 
 
 class Warnings(SolidCase):
     def test_loss_of_stiffness_is_told_once_and_counted(self):
         body = BOX + KIRCHHOFF + 'fixed: "x_min" mass_damping: 2000'
-        for name, method in EVERY_METHOD.items():
+        for name, method in (("explicit", ""), ("implicit", IMPLICIT)):  # an equilibrium ends there: it is not stable
             with self.subTest(name):
-                done = self.run_solid(scene(body, moved("-5*t") + method, step=5e-5), out=name)
+                done = self.run_solid(scene(body, moved("-5*t") + method, step=5e-5), out=name, more=("--steps", "6"))
                 warnings = [line for line in done.stderr.splitlines() if "warning:" in line]
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(len(warnings), 1, done.stderr)
@@ -227,14 +227,14 @@ class Warnings(SolidCase):
         self.assertEqual(self.run_solid(scene(acting=pressure(10))).returncode, 0)
         self.assertFalse(any("softened" in name for name in self.history()[0]))
 
-    def test_surfaces_that_overlap_at_rest(self):
+    def test_a_body_beyond_a_plane_at_rest(self):
         done = self.run_solid(scene(acting='rigid_plane { y: 0.0099 stiffness: 1e6 surface: "y_max" }'))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stderr, r"warning: t = 0 s: surfaces .* press with 0\.01 N; move them apart")
+        self.assertRegex(done.stderr, r"warning: t = 0 s: a body stands beyond a rigid plane at rest and is pushed back with 0\.01 N; move the plane")
 
     def test_the_summary_says_why_a_method_was_chosen(self):
         stiff = "material { density: 1000 neo_hookean { shear_modulus: 1e9 bulk_modulus: 2e9 } }"
-        for material, step, method in ((SOFT, 1e-5, "CENTRAL_DIFFERENCE"), (stiff, 5e-3, "GENERALIZED_ALPHA")):
+        for material, step, method in ((SOFT, 1e-5, "CENTRAL_DIFFERENCE"), (stiff, 5e-4, "GENERALIZED_ALPHA")):
             with self.subTest(method):
                 slender = "box { length { x: 0.1 y: 0.002 z: 0.002 } elements_x: 8 }"
                 body = slender + material + 'fixed: "x_min"'

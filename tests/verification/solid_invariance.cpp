@@ -24,29 +24,27 @@ struct Case {
 
 // A block on another one: 24 and 12 elements, so that three threads share packs, chunks and nodes.
 const std::string rubber = "material { density: 1000 mooney_rivlin { a10: 2000 a01: 300 bulk_modulus: 4e4 } } ";
-const std::string one_block = R"(
-  body { name: "block" box { length { x: 0.03 y: 0.01 z: 0.02 } elements_x: 3 elements_y: 2 elements_z: 4 } )" +
-                              rubber +
-                              R"( fixed: "x_min" mass_damping: 5 stiffness_damping: 1e-6 }
-  pressure { surface: "y_max" value { row { time: 0 value: 0 } row { time: 1e-3 value: 400 } } }
-  kick { time: 3e-4 velocity { y: "0.05*sin(pi*z/0.02)"
-}
-})";
+const std::string one_block =
+    "body { name: \"block\" box { length { x: 0.03 y: 0.01 z: 0.02 } elements_x: 3 elements_y: 2 elements_z: 4 } " +
+    rubber +
+    "fixed: \"x_min\" mass_damping: 5 stiffness_damping: 1e-6 } "
+    "pressure { surface: \"y_max\" value { row { time: 0 value: 0 } row { time: 1e-3 value: 400 } } } ";
+const std::string kick = "kick { time: 3e-4 velocity { y: \"0.05*sin(pi*z/0.02)\" } } ";
 const std::string two_blocks = R"(
   body { name: "lower" box { length { x: 0.03 y: 0.01 z: 0.02 } elements_x: 3 elements_y: 2 elements_z: 4 } )" +
                                rubber + R"( fixed: "y_min" mass_damping: 20 }
   body { name: "upper" ball { radius: 0.008 centre { x: 0.015 y: 0.01805 z: 0.01 } part: LOWER_HALF elements: 1 } )" +
                                rubber + R"( mass_damping: 20 }
-  prescribed_motion { nodes: "upper/cut" x: "0.2*t" y: "-0.5*t" z: "0" }
+  prescribed_motion { nodes: "upper/cut" x: "0.2*t" y: "-0.15*t" z: "0" }
   contact { first: "lower/y_max" second: "upper/surface" distance: 1e-4 })";
 
 const std::vector<Case> cases = {
-    {"CentralDifference", one_block, 1e-4},
-    {"GeneralizedAlpha", one_block + "time_integration { method: GENERALIZED_ALPHA }", 1e-4},
-    {"Static", one_block.substr(0, one_block.find("kick")) + "time_integration { method: STATIC }", 1e-4},
-    {"CentralDifferenceInContact", two_blocks, 1e-4, true},
-    {"GeneralizedAlphaInContact", two_blocks + "time_integration { method: GENERALIZED_ALPHA }", 1e-4, true},
-    {"StaticInContact", two_blocks + "time_integration { method: STATIC }", 1e-4, true},
+    {"CentralDifference", one_block + kick, 1e-4},
+    {"GeneralizedAlpha", one_block + kick + "time_integration { method: GENERALIZED_ALPHA }", 1e-4},
+    {"Static", one_block + "time_integration { method: STATIC }", 1e-4},
+    {"CentralDifferenceInContact", two_blocks, 4e-4, true},
+    {"GeneralizedAlphaInContact", two_blocks + "time_integration { method: GENERALIZED_ALPHA }", 4e-4, true},
+    {"StaticInContact", two_blocks + "time_integration { method: STATIC }", 4e-4, true},
 };
 
 SolidModel make_model(const Case& c, int n_threads = 1) {
@@ -136,8 +134,7 @@ TEST_P(InvarianceOf, ARefusedCheckpointOfAnotherMesh) {
   std::filesystem::remove(path);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, InvarianceOf, testing::ValuesIn(cases),
-                         [](const auto& info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(Methods, InvarianceOf, testing::ValuesIn(cases), [](const auto& c) { return c.param.name; });
 
 }  // namespace
 }  // namespace couplet::solid
