@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The solid beside CalculiX on the same meshes: error and processor seconds, one row a run (10 minutes; --quick: 2)."""
+"""The solid beside CalculiX on the same meshes: error and processor seconds, one row a run (estimated: 10 minutes; --quick: 2)."""
 
 import argparse
 import json
