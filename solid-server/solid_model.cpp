@@ -84,6 +84,18 @@ Motion at_rest(Index n_nodes, std::size_t n_wetted) {
 
 }  // namespace
 
+const char* name_of(TimeMethod method) {
+  switch (method) {
+    case TimeMethod::central_difference:
+      return "CENTRAL_DIFFERENCE";
+    case TimeMethod::generalized_alpha:
+      return "GENERALIZED_ALPHA";
+    case TimeMethod::static_equilibrium:
+      return "STATIC";
+  }
+  return "";
+}
+
 struct SolidModel::Parts {
   SolidSetup setup;
   WettedSurface wetted;
@@ -117,6 +129,7 @@ struct SolidModel::Parts {
 
   std::unique_ptr<TimeIntegrator> make_integrator() {
     HeldMotion held(setup.mesh, setup.supports.prescribed);
+    if (setup.method != TimeMethod::static_equilibrium) held.refuse_jump_at_start(1e-9 * smallest_edge(setup.mesh));
     std::vector<KickVelocity> kicks = kick_velocities(setup.mesh, setup.kicks);
     if (setup.method == TimeMethod::central_difference) {
       auto made = std::make_unique<CentralDifference>(setup.mesh, force, mass, inverse_mass, std::move(held),

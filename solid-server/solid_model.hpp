@@ -24,6 +24,8 @@ struct Kick {
 
 enum class TimeMethod { central_difference, generalized_alpha, static_equilibrium };
 
+const char* name_of(TimeMethod method);  // as scenes write it
+
 struct StepControl {
   double safety = 0.9;         // substep over the estimated stable step
   double largest_substep = 0;  // [s]; 0: no other limit

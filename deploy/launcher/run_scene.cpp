@@ -74,12 +74,14 @@ RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, RunCon
   return supervisor.run_to_end();
 }
 
-void write_report(const store::RunFolder& folder, const Installation& installation, RunConsole& console) {
+/// Whether it has been written.
+bool write_report(const store::RunFolder& folder, const Installation& installation, RunConsole& console) {
   const ProgramResult result =
       run_and_catch({installation.python, installation.script("deploy/report/report.py"), folder.path.string()});
-  if (result.exit_code == 0) return;
+  if (result.exit_code == 0) return true;
   console.log("report", result.output + result.errors);
   console.show("the report could not be written; log.txt says why");
+  return false;
 }
 
 }  // namespace
@@ -99,10 +101,10 @@ int run_scene(const RunOptions& options) {
   const RunEnding ending = start_and_watch(plan, file.scene, console);
   const Verdict verdict = judge(ending);
   settle_summary(folder, options.scene.string(), verdict, ending.stop_requested);
-  if (options.report) write_report(folder, installation, console);
+  const bool has_report = options.report && write_report(folder, installation, console);
 
   if (!options.quiet) std::printf("%s", summary_table(folder).c_str());
-  if (!options.quiet && options.report) {
+  if (!options.quiet && has_report) {
     std::printf("report: %s\n", std::filesystem::absolute(folder.report()).lexically_normal().c_str());
   }
   std::fflush(stdout);

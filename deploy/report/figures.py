@@ -16,7 +16,7 @@ pyplot.rcParams.update({
     "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#555", "axes.labelcolor": "#333",
     "axes.grid": True, "grid.color": "#e7e7ea", "grid.linewidth": 0.7, "xtick.color": "#555", "ytick.color": "#555",
     "lines.linewidth": 1.2, "legend.frameon": False, "figure.constrained_layout.use": True, "path.simplify": True,
-    "axes.titlesize": 10, "axes.titlecolor": "#333", "axes.titlelocation": "left", "axes.formatter.useoffset": False,
+    "text.parse_math": False, "axes.titlesize": 10, "axes.titlecolor": "#333", "axes.titlelocation": "left", "axes.formatter.useoffset": False,
 })
 
 

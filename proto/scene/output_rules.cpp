@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 
 #include "proto/scene/marker_rules.hpp"
 #include "proto/scene/relation_rules.hpp"
@@ -25,6 +26,19 @@ void names_differ(const Entries& entries, const std::string& list, const std::st
   }
 }
 
+// Columns of history.csv are found by their names: those of probes, of orifices and the clock must differ.
+void columns_differ(const v1::Scene& scene, Review& review) {
+  std::set<std::string> taken = {"time", "dt", "iterations", "inner_iterations"};
+  for (const v1::Probe& probe : scene.output().probe())
+    for (const char axis : {'x', 'y', 'z'}) taken.insert(probe.name() + "." + axis);
+  for (int i = 0; i < scene.solid().orifice_size(); ++i) {
+    const v1::Orifice& orifice = scene.solid().orifice(i);
+    if (orifice.has_name() && !taken.insert(orifice.name()).second)
+      review.complain("solid.orifice[" + std::to_string(i) + "].name",
+                      "\"" + orifice.name() + "\" is another column of history.csv; give the orifice its own name");
+  }
+}
+
 void probes_are_on_the_solid(const v1::Scene& scene, Review& review) {
   for (int i = 0; i < scene.output().probe_size(); ++i) {
     const std::string path = entry("probe", i);
@@ -39,6 +53,7 @@ void column_has_its_probe(const std::string& column, const v1::Output& output, c
   const std::size_t dot = column.rfind('.');
   if (dot == std::string::npos || dot + 2 != column.size() || column[dot + 1] < 'x' || column[dot + 1] > 'z') return;
   const std::string name = column.substr(0, dot);
+  if (name.starts_with("solid.") || name.starts_with("flow.")) return;  // reactions, forces: a server's own
   std::vector<std::string> known;
   for (const v1::Probe& probe : output.probe()) known.push_back(probe.name());
   if (std::find(known.begin(), known.end(), name) != known.end()) return;
@@ -77,6 +92,7 @@ void check_output_rules(const v1::Scene& scene, Review& review) {
   const v1::Output& output = scene.output();
   names_differ(output.probe(), "probe", "probe", review);
   names_differ(output.quantity(), "quantity", "quantity", review);
+  columns_differ(scene, review);
   probes_are_on_the_solid(scene, review);
   for (int i = 0; i < output.quantity_size(); ++i) {
     quantity_can_be_computed(output.quantity(i), entry("quantity", i), scene, review);

@@ -86,8 +86,7 @@ TangentSolver::TangentSolver(const SolidMesh& mesh, const std::vector<BlockPrope
   refuse_too_large(mesh);
   parts_ = std::unique_ptr<Parts>(
       new Parts{free, team, TangentMatrix(mesh, properties, mass_form, team), nullptr, {}, {}, {}});
-  if (!free.any())
-    throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
+  if (!free.any()) throw report::SceneError("solid", "no node of any body is free to move", "fix fewer surfaces");
   parts_->factors = std::make_unique<SparseCholesky>(parts_->matrix.pairs(), free);
 }
 

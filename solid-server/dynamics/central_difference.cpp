@@ -69,8 +69,7 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
     throw report::NumericsError(
         "solid, t = " + report::text(from.time) + " to " + report::text(from.time + duration) + " s",
         mesh_.describe_element(element) + " at rest is turned inside out",
-        "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
-        "resists strong compression better than saint_venant_kirchhoff");
+        "check the loads; lower solid.time_integration.safety or time.step; refine the mesh there");
   }
   to.time = from.time + duration;
   to.interface_force = interface_force;

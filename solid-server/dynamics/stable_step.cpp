@@ -50,8 +50,7 @@ double stable_step(const std::function<NodeVectors(const NodeVectors&)>& interna
   };
 
   NodeVectors q = scattered(displacement.rows()).cwiseProduct((root.array() > 0).cast<double>().matrix());
-  if (q.norm() == 0)
-    throw report::SceneError("solid.body[0]", "no node of the body is free to move", "fix fewer surfaces");
+  if (q.norm() == 0) throw report::SceneError("solid", "no node of any body is free to move", "fix fewer surfaces");
   q /= q.norm();
   NodeVectors before = NodeVectors::Zero(q.rows(), 4);
   std::vector<double> diagonal, beside;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/mesh/check_conformity.hpp"
 #include "solid-server/mesh/coincident_nodes.hpp"
 #include "solid-server/mesh/face_search.hpp"
 #include "solid-server/mesh/node_order.hpp"
@@ -37,11 +38,6 @@ class MeshComplaints {
   Index n_ = 0;
 };
 
-std::string place_text(const SolidMesh& mesh, Index node) {
-  const Eigen::RowVector3d place = mesh.node_position.row(node);
-  return "(" + report::text(place.x()) + ", " + report::text(place.y()) + ", " + report::text(place.z()) + ") m";
-}
-
 std::string nodes_text(Index n, const char* one, const char* several) {
   return n == 1 ? std::string("a node ") + one : std::to_string(n) + " nodes " + several;
 }
@@ -54,7 +50,7 @@ void check_nodes(const SolidMesh& mesh, MeshComplaints& complaints) {
   if (n_unused > 0) {
     const auto first = static_cast<Index>(std::find(is_used.begin(), is_used.end(), false) - is_used.begin());
     complaints.add(nodes_text(n_unused, "belongs", "belong") + " to no element, the first at " +
-                   place_text(mesh, first) + "; leave them out");
+                   place_text(mesh.node_position.row(first)) + "; leave them out");
   }
   const std::vector<Index> same = find_coincident_nodes(mesh.node_position, coincidence_tolerance(mesh.node_position));
   Index n_doubled = 0, first = -1;
@@ -66,7 +62,8 @@ void check_nodes(const SolidMesh& mesh, MeshComplaints& complaints) {
   }
   if (n_doubled > 0)
     complaints.add(nodes_text(n_doubled, "stands", "stand") +
-                   " at the place of another one without being connected, the first at " + place_text(mesh, first) +
+                   " at the place of another one without being connected, the first at " +
+                   place_text(mesh.node_position.row(first)) +
                    "; merge such nodes, or leave a gap between parts that shall move apart");
 }
 
@@ -214,6 +211,7 @@ void check_mesh(const SolidMesh& mesh, const std::string& where) {
   check_nodes(mesh, complaints);
   check_surfaces(mesh, complaints);
   check_doubled_elements(mesh, complaints);
+  if (const auto complaint = find_nonconforming(mesh)) complaints.add(*complaint);
   check_elements(mesh, complaints);
   complaints.throw_if_any();
 }

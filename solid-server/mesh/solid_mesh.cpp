@@ -46,9 +46,16 @@ const std::vector<ElementFace>& SolidMesh::find_surface(const std::string& name,
 }
 
 std::vector<Index> SolidMesh::find_nodes(const std::string& name, const std::string& where) const {
-  if (const auto faces = surface.find(name); faces != surface.end()) return nodes_of_faces(*this, faces->second);
-  if (const auto nodes = node_set.find(name); nodes != node_set.end()) return nodes->second;
-  if (const auto node = marker.find(name); node != marker.end()) return {node->second};
+  std::vector<std::vector<Index>> found;  // a mesh file may give a surface and a node set the same name
+  if (const auto faces = surface.find(name); faces != surface.end())
+    found.push_back(nodes_of_faces(*this, faces->second));
+  if (const auto nodes = node_set.find(name); nodes != node_set.end()) found.push_back(nodes->second);
+  if (const auto node = marker.find(name); node != marker.end()) found.push_back({node->second});
+  if (std::adjacent_find(found.begin(), found.end(), std::not_equal_to<>()) != found.end())
+    throw report::SceneError(where,
+                             "\"" + name + "\" is the name of a surface and of a node set of the mesh with other nodes",
+                             "give one of them another name");
+  if (!found.empty()) return found.front();
   std::string known = names_in(surface);
   for (const std::string& more : {names_in(node_set), names_in(marker)})
     if (!more.empty()) known += (known.empty() ? "" : ", ") + more;
@@ -63,7 +70,7 @@ std::string SolidMesh::describe_element(Index element) const {
   const auto nodes = nodes_of(element);
   for (const Index node : nodes) middle += node_position.row(node) / static_cast<double>(nodes.size());
   std::string text = "element " + std::to_string(elements.label.empty() ? element : elements.label[within]);
-  if (!elements.line.empty()) text += " (" + file + ", line " + std::to_string(elements.line[within]) + ")";
+  if (!elements.line.empty()) text += " (" + elements.file + ", line " + std::to_string(elements.line[within]) + ")";
   return text + " at " + place_text(middle);
 }
 
@@ -98,7 +105,7 @@ SolidMesh join_bodies(std::vector<SolidMesh> bodies, const std::vector<std::stri
     for (ElementBlock& block : body.block) {
       for (Index& node : block.node) node += first_node;
       block.first_element += first_element;
-      block.region = prefix + block.region;
+      block.region = block.region.empty() ? names[b] : prefix + block.region;
       joined.block.push_back(std::move(block));
     }
     for (auto& [name, faces] : body.surface) {
@@ -110,7 +117,6 @@ SolidMesh join_bodies(std::vector<SolidMesh> bodies, const std::vector<std::stri
       joined.node_set[prefix + name] = std::move(nodes);
     }
     for (const auto& [name, node] : body.marker) joined.marker[prefix + name] = node + first_node;
-    if (!body.file.empty()) joined.file = body.file;
     first_node += body.n_nodes();
   }
   return joined;

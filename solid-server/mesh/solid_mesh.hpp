@@ -57,6 +57,7 @@ struct ElementBlock {
   std::vector<MaterialAxes> axes;   // (n_elements) or empty
   std::vector<std::int64_t> label;  // (n_elements) the element's number in the mesh file; empty: no file
   std::vector<int> line;            // (n_elements) where it stands there, from 1
+  std::string file;                 // it was read from; empty: parametric
 
   Index n_elements() const { return static_cast<Index>(node.size()) / topology(shape).n_nodes; }
   std::span<const Index> nodes_of(Index element_of_block) const {
@@ -71,7 +72,6 @@ struct SolidMesh {
   std::map<std::string, std::vector<ElementFace>> surface;  // named parts of the boundary
   std::map<std::string, std::vector<Index>> node_set;       // named sets of nodes, rising
   std::map<std::string, Index> marker;                      // named nodes
-  std::string file;                                         // it was read from; empty: parametric
 
   Index n_nodes() const { return static_cast<Index>(node_position.rows()); }
   Index n_elements() const { return block.empty() ? 0 : block.back().first_element + block.back().n_elements(); }
@@ -85,7 +85,8 @@ struct SolidMesh {
   /// A surface by name; throws SceneError naming `where` and the surfaces that there are.
   const std::vector<ElementFace>& find_surface(const std::string& name, const std::string& where) const;
 
-  /// The nodes of a surface, a node set or a marker of that name, rising; throws SceneError likewise.
+  /// The nodes of a surface, a node set or a marker of that name, rising; throws SceneError likewise, and where several
+  /// of them have the name but other nodes.
   std::vector<Index> find_nodes(const std::string& name, const std::string& where) const;
 
   /// For messages: "element 12 at (x, y, z) m", with label, file and line where there are some.

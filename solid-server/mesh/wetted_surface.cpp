@@ -1,6 +1,9 @@
 #include "solid-server/mesh/wetted_surface.hpp"
 
 #include <algorithm>
+#include <map>
+
+#include "proto/report/failure.hpp"
 
 namespace couplet::solid {
 
@@ -17,8 +20,15 @@ WettedSurface make_wetted_surface(const SolidMesh& mesh, const std::vector<std::
   surface::SurfaceMesh& out = wetted.surface;
   std::vector<ElementFace> faces;
   std::vector<std::int64_t> regions;
+  std::map<std::pair<Index, int>, std::size_t> name_of;  // by element and side
   for (std::size_t r = 0; r < names.size(); ++r) {
-    const auto& named = mesh.find_surface(names[r], "solid.body[0].wetted[" + std::to_string(r) + "]");
+    const auto& named = mesh.find_surface(names[r], "wetted");
+    for (const ElementFace& face : named)
+      if (const auto [before, is_new] = name_of.try_emplace({face.element, face.side}, r); !is_new)
+        throw report::SceneError("wetted",
+                                 "\"" + names[r] + "\" and \"" + names[before->second] +
+                                     "\" have a face in common, which would feel the flow twice",
+                                 "name each part of the surface once");
     faces.insert(faces.end(), named.begin(), named.end());
     regions.insert(regions.end(), named.size(), static_cast<std::int64_t>(r));
     out.region.push_back(names[r]);

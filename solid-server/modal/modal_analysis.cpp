@@ -163,6 +163,8 @@ Mode make_mode(const TangentSolver& solver, double eigenvalue, double shift, Nod
   if (shape(row, column) < 0) shape = -shape;
 
   Mode mode;
+  // Round-off of K phi is some 1e-16 of the highest eigenvalues, of which the shift is 1e-10 or more.
+  if (std::abs(eigenvalue) <= 1e-5 * std::abs(shift)) eigenvalue = 0;
   mode.eigenvalue = eigenvalue;
   mode.frequency = std::copysign(std::sqrt(std::abs(eigenvalue)) / (2 * std::numbers::pi), eigenvalue);
   const NodeVectors momentum = solver.mass_times(shape), force = solver.multiply(shape);  // the latter shifted

@@ -21,18 +21,6 @@ const char* name_of(ElementFormulation formulation) {
   return "";
 }
 
-const char* name_of(TimeMethod method) {
-  switch (method) {
-    case TimeMethod::central_difference:
-      return "CENTRAL_DIFFERENCE";
-    case TimeMethod::generalized_alpha:
-      return "GENERALIZED_ALPHA";
-    case TimeMethod::static_equilibrium:
-      return "STATIC";
-  }
-  return "";
-}
-
 /// "48 of hexahedron20, 8 points, standard" for each region.
 void add_regions(const SolidSetup& setup, std::vector<participant::NamedNumber>& numbers) {
   for (std::size_t b = 0; b < setup.mesh.block.size(); ++b) {
@@ -50,7 +38,7 @@ void add_regions(const SolidSetup& setup, std::vector<participant::NamedNumber>&
 
 std::vector<participant::NamedNumber> estimate_solid(const participant::OpenRequest& request, int threads) {
   SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
-  setup.n_threads = worthwhile_threads(threads, setup.mesh.n_elements());
+  setup.n_threads = worthwhile_threads(threads, setup);
   const double n_threads = setup.n_threads;
   const double step = request.scene.time().step(), n_steps = std::ceil(request.scene.time().end() / step);
   std::vector<participant::NamedNumber> numbers;

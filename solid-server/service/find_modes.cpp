@@ -59,6 +59,23 @@ void print(const std::vector<Mode>& modes, const std::vector<Mirror>& mirrors,
     for (const Symmetry symmetry : symmetries[m]) std::printf("  %13s", word_for(symmetry));
     std::printf("  %9.1e\n", mode.residual);
   }
+  constexpr double doubtful = 1e-6;
+  for (std::size_t m = 0; m < modes.size(); ++m)
+    if (modes[m].residual > doubtful)
+      std::fprintf(stderr,
+                   "solid-server: warning: mode %zu is known to a residual of %s only; the body is so soft in some "
+                   "motions that its stiffness is lost in round-off: look at materials without shear stiffness\n",
+                   m + 1, report::text(modes[m].residual).c_str());
+}
+
+/// Modes are those of the body at rest: what a user may have thought to be in them.
+void say_what_is_left_out(const v1::Solid& solid) {
+  if (solid.pressure_size() + solid.traction_size() + solid.node_force_size() + solid.prescribed_motion_size() +
+          solid.contact_size() + solid.rigid_plane_size() >
+      0)
+    std::fprintf(stderr,
+                 "solid-server: modes are those of the bodies at rest, without loads and contact; nodes of prescribed "
+                 "motions are held\n");
 }
 
 void store(const std::string& run_folder, const SolidMesh& mesh, const std::vector<Mode>& modes,
@@ -89,10 +106,11 @@ void find_modes(const participant::OpenRequest& request, const participant::Serv
   if (!request.scene.has_solid())
     throw report::SceneError("solid", "the scene has no solid whose modes could be found", "give solid { ... }");
   const v1::Modes& wanted = request.scene.solid().modes();
+  say_what_is_left_out(request.scene.solid());
   SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
   const std::vector<Mirror> mirrors = find_mirrors(wanted, setup.mesh);
 
-  WorkTeam team(worthwhile_threads(options.threads, setup.mesh.n_elements()));
+  WorkTeam team(worthwhile_threads(options.threads, setup));
   std::vector<double> density;
   for (const BlockProperties& block : setup.properties) density.push_back(block.density);
   const NodeVectors inverse = inverse_mass(setup.mesh, lumped_mass(setup.mesh, density), setup.supports);

@@ -157,7 +157,13 @@ SolidMesh make_or_read(const v1::Body& body, const std::string& where, const std
 }  // namespace
 
 SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {
-  SolidMesh mesh = make_or_read(body, where, scene_folder);
+  SolidMesh mesh;
+  try {
+    mesh = make_or_read(body, where, scene_folder);
+  } catch (const report::SceneError& error) {
+    if (body.has_mesh_file()) throw;
+    throw report::SceneError(where + "." + error.where(), error.sentence(), error.advice());
+  }
   if (body.has_placement()) place_mesh(make_placement(body.placement(), where + ".placement"), mesh);
   return mesh;
 }

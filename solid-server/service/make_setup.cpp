@@ -91,12 +91,23 @@ void set_fibres(const v1::Body& body, const std::string& where, const std::vecto
   }
 }
 
-/// Adds what a body names for itself; with several bodies, under their own names.
-void add_body(const v1::Body& body, const std::string& prefix, SolidSetup& setup) {
-  for (const std::string& name : body.fixed()) setup.supports.fixed.push_back(prefix + name);
-  for (const v1::Symmetry& symmetry : body.symmetry())
+/// Adds what a body names for itself; with several bodies, under their own names. Throws SceneError for names that its
+/// mesh does not have.
+void add_body(const v1::Body& body, const std::string& where, const SolidMesh& mesh, const std::string& prefix,
+              SolidSetup& setup) {
+  for (int n = 0; n < body.fixed_size(); ++n) {
+    mesh.find_nodes(body.fixed(n), entry(where + ".fixed", n));
+    setup.supports.fixed.push_back(prefix + body.fixed(n));
+  }
+  for (int n = 0; n < body.symmetry_size(); ++n) {
+    const v1::Symmetry& symmetry = body.symmetry(n);
+    mesh.find_nodes(symmetry.surface(), entry(where + ".symmetry", n) + ".surface");
     setup.supports.symmetry.push_back({prefix + symmetry.surface(), symmetry.normal() - v1::Symmetry::X});
-  for (const std::string& name : body.wetted()) setup.wetted.push_back(prefix + name);
+  }
+  for (int n = 0; n < body.wetted_size(); ++n) {
+    mesh.find_surface(body.wetted(n), entry(where + ".wetted", n));
+    setup.wetted.push_back(prefix + body.wetted(n));
+  }
 }
 
 void refuse_different_damping(const v1::Solid& solid) {
@@ -198,12 +209,13 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
   std::vector<std::string> names;
   for (int b = 0; b < solid.body_size(); ++b) {
     const v1::Body& body = solid.body(b);
-    meshes.push_back(make_mesh(body, entry("solid.body", b), scene_folder));
+    const std::string where = entry("solid.body", b);
+    meshes.push_back(make_mesh(body, where, scene_folder));
     names.push_back(body.name());
-    const auto properties = make_properties(body, meshes.back(), entry("solid.body", b));
-    set_fibres(body, entry("solid.body", b), properties, meshes.back());
+    const auto properties = make_properties(body, meshes.back(), where);
+    set_fibres(body, where, properties, meshes.back());
     setup.properties.insert(setup.properties.end(), properties.begin(), properties.end());
-    add_body(body, solid.body_size() > 1 ? body.name() + "/" : "", setup);
+    add_body(body, where, meshes.back(), solid.body_size() > 1 ? body.name() + "/" : "", setup);
   }
   setup.mesh = join_bodies(std::move(meshes), names);
   add_loads(solid, setup);
@@ -226,11 +238,14 @@ OrificeShape make_orifice_shape(const v1::Orifice& orifice) {
           orifice.cells()};
 }
 
-int worthwhile_threads(int wanted, Index n_elements) {
+int worthwhile_threads(int wanted, const SolidSetup& setup) {
   // Below this a barrier and the wake-up of a thread cost more than a further thread saves.
-  constexpr Index elements_per_thread = 500;
-  const int offered = wanted > 0 ? wanted : static_cast<int>(std::thread::hardware_concurrency());
-  return std::clamp(static_cast<int>(n_elements / elements_per_thread), 1, std::max(1, offered));
+  constexpr std::int64_t points_per_thread = 4000;
+  std::int64_t n_points = 0;
+  for (std::size_t b = 0; b < setup.mesh.block.size(); ++b)
+    n_points += std::int64_t{setup.mesh.block[b].n_elements()} * setup.properties[b].n_points;
+  const int offered = std::max(1, wanted > 0 ? wanted : static_cast<int>(std::thread::hardware_concurrency()));
+  return static_cast<int>(std::clamp<std::int64_t>(n_points / points_per_thread, 1, offered));
 }
 
 }  // namespace couplet::solid

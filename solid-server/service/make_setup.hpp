@@ -17,6 +17,6 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
 OrificeShape make_orifice_shape(const v1::Orifice& orifice);
 
 /// How many threads a body of this size is worth when `wanted` (0: all cores) are offered. Results do not depend on it.
-int worthwhile_threads(int wanted, Index n_elements);
+int worthwhile_threads(int wanted, const SolidSetup& setup);
 
 }  // namespace couplet::solid

@@ -46,12 +46,21 @@ void check_start(const participant::StepInterval& interval, double accepted_time
                           "start the run again from its last checkpoint");
 }
 
+/// AUTO goes on with what it has chosen; any other method must be the one of the checkpoint.
+void refuse_another_method(TimeMethod stored, v1::TimeIntegration::Method wanted, TimeMethod made) {
+  if (wanted == v1::TimeIntegration::AUTO || stored == made) return;
+  throw report::SceneError("solid.time_integration.method",
+                           "the scene asks for " + v1::TimeIntegration::Method_Name(wanted) +
+                               ", but the checkpoint was written by " + name_of(stored),
+                           "go on with that method, or start a new run");
+}
+
 }  // namespace
 
 participant::Opened SolidParticipant::open(const participant::OpenRequest& request) {
   const Stopwatch watch(seconds_);
   SolidSetup setup = make_setup(request.scene.solid(), request.scene_folder);
-  setup.n_threads = worthwhile_threads(options_.threads, setup.mesh.n_elements());
+  setup.n_threads = worthwhile_threads(options_.threads, setup);
   const bool is_new = request.resume_from.empty();
   TimeMethodChoice choice;
   if (is_new && request.scene.solid().time_integration().method() == v1::TimeIntegration::AUTO) {
@@ -60,7 +69,11 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   }
   model_ = std::make_unique<SolidModel>(std::move(setup));
   model_->note_why_method(choice.reason);
-  if (!is_new) model_->resume(read_checkpoint(request.resume_from, model_->accepted()));
+  if (!is_new) {
+    SolidState state = read_checkpoint(request.resume_from, model_->accepted());
+    refuse_another_method(state.method, request.scene.solid().time_integration().method(), model_->accepted().method);
+    model_->resume(std::move(state));
+  }
   if (!model_->accepted().why_method.empty())
     std::cerr << "solid-server: time integration: " << model_->accepted().why_method << '\n';
 

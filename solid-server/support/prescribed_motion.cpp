@@ -44,6 +44,18 @@ void HeldMotion::check_finite(double time) const {
   }
 }
 
+void HeldMotion::refuse_jump_at_start(double negligible) const {
+  for (std::size_t n = 0; n < components_.size(); ++n) {
+    const double value = displacement(n, 0);
+    if (std::abs(value) <= negligible || !std::isfinite(value)) continue;
+    throw report::SceneError("solid.prescribed_motion \"" + motions_[motion_[n]].nodes + "\"",
+                             "the formula of " + std::string(1, "xyz"[components_[n].axis]) + " gives " +
+                                 report::text(value) + " m at t = 0 at " + place_text(position_[n]) +
+                                 ", where the body is at rest: a blow without end",
+                             "let the motion begin at 0, or use method: STATIC");
+  }
+}
+
 void HeldMotion::hold(double time, NodeVectors& u) const {
   for (std::size_t n = 0; n < components_.size(); ++n)
     u(components_[n].node, components_[n].axis) = displacement(n, time);

@@ -38,6 +38,10 @@ class HeldMotion {
   /// Throws NumericsError when a displacement at that time is no finite number.
   void check_finite(double time) const;
 
+  /// Throws SceneError when a displacement at t = 0 is not within `negligible` [m] of 0: with inertia a jump is a blow
+  /// without end.
+  void refuse_jump_at_start(double negligible) const;
+
   /// Sets the held components of the displacements.
   void hold(double time, NodeVectors& displacement) const;
   /// Sets those of velocities.

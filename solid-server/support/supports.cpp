@@ -22,10 +22,9 @@ std::vector<SupportComponents> support_components(const SolidMesh& mesh, const S
   for (std::size_t s = 0; s < supports.prescribed.size(); ++s)
     add(supports.prescribed[s].nodes, entry("solid.prescribed_motion", s) + ".nodes", supports.prescribed[s].axis,
         supports.prescribed[s].axis);
-  for (std::size_t s = 0; s < supports.fixed.size(); ++s) add(supports.fixed[s], entry("solid.body[0].fixed", s), 0, 2);
+  for (std::size_t s = 0; s < supports.fixed.size(); ++s) add(supports.fixed[s], "fixed", 0, 2);
   for (std::size_t s = 0; s < supports.symmetry.size(); ++s)
-    add(supports.symmetry[s].surface, entry("solid.body[0].symmetry", s) + ".surface", supports.symmetry[s].axis,
-        supports.symmetry[s].axis);
+    add(supports.symmetry[s].surface, "symmetry", supports.symmetry[s].axis, supports.symmetry[s].axis);
   return found;
 }
 

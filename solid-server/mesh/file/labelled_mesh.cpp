@@ -205,11 +205,11 @@ void LabelledMesh::make_node_sets(SolidMesh& mesh) const {
 
 SolidMesh LabelledMesh::finish() {
   SolidMesh mesh;
-  mesh.file = file_;
   mesh.node_position.resize(static_cast<Eigen::Index>(node_position_.size()), 3);
   for (std::size_t node = 0; node < node_position_.size(); ++node)
     mesh.node_position.row(static_cast<Eigen::Index>(node)) = node_position_[node];
   make_blocks(mesh);
+  for (ElementBlock& block : mesh.block) block.file = file_;
   make_axes(mesh);
   make_surfaces(mesh);
   make_node_sets(mesh);

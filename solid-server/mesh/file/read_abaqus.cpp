@@ -232,8 +232,8 @@ void AbaqusReader::add_member(Sets& sets, NamedSet& set, std::string_view word) 
   if (other == sets.end())
     text().refuse("set \"" + set.name + "\" names \"" + std::string(word.substr(0, 80)) +
                   "\", which is neither a number nor a set that stands above");
-  const std::vector<Member> members = other->second.member;  // the set may name itself
-  set.member.insert(set.member.end(), members.begin(), members.end());
+  if (&other->second == &set) return;  // it has itself already
+  set.member.insert(set.member.end(), other->second.member.begin(), other->second.member.end());
 }
 
 void AbaqusReader::add_members(Sets& sets, NamedSet& set) {

@@ -65,7 +65,7 @@ FoldSection make_fold_section(const FoldSectionShape& shape) {
   }
   const auto section = section_with_corner(shape, high);
   if (!section || !is_sound(*section) || std::abs(flat_length(section) - shape.medial_thickness) > 1e-9 * shape.width)
-    throw report::SceneError("solid.body[0].vocal_fold",
+    throw report::SceneError("vocal_fold",
                              "medial_thickness, width, depth, bulge and fillets do not fit together to a section",
                              "lower medial_thickness or the fillets, or raise width");
   return *section;

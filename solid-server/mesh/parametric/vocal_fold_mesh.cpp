@@ -48,7 +48,7 @@ void name_markers(const FoldSection& section, const VocalFoldShape& shape, Solid
 SolidMesh make_vocal_fold_mesh(const VocalFoldShape& shape) {
   const auto [n_x, n_y, n_whole] = shape.n_elements;
   if (shape.half_length && n_whole % 2 != 0)
-    throw report::SceneError("solid.body[0].vocal_fold.elements_z",
+    throw report::SceneError("vocal_fold.elements_z",
                              std::to_string(n_whole) + " elements along the length cannot be halved",
                              "choose an even number, or leave out half_length");
   const int n_z = shape.half_length ? n_whole / 2 : n_whole;

@@ -88,6 +88,19 @@ TEST(SolidRules, NameLoadedNodes) {
 
 const std::string held_body = box_body("a", material + " fixed: \"x_min\"");
 
+TEST(SolidRules, WantColumnsWithNamesOfTheirOwn) {
+  const std::string orifice = R"(orifice { name: "%" surface: "x_max" radius: 1 })";
+  const auto named = [&](const std::string& name) {
+    std::string text = orifice;
+    return text.replace(text.find('%'), 1, name);
+  };
+  EXPECT_THAT(
+      complaints_about(solid_scene(box_body("a") + named("open") + "\n" + named("open") + "\n" + named("time"))),
+      ElementsAre(testing::HasSubstr("solid.orifice[1].name: \"open\" is another column of history.csv; give the "
+                                     "orifice its own name"),
+                  testing::HasSubstr("solid.orifice[2].name: \"time\" is another column")));
+}
+
 TEST(SolidRules, RefuseDirectionsWithoutLength) {
   const std::string zero = " direction { } value { row { time: 0 value: 1 } } ";
   EXPECT_THAT(

@@ -76,13 +76,6 @@ TYPED_TEST(AnyMaterial, TangentIsTheDerivativeOfTheStress) {
   }
 }
 
-TYPED_TEST(AnyMaterial, TangentIsSymmetric) {
-  for (const Matrix& F : this->states) {
-    const Tangent tangent = this->tangent(F);
-    EXPECT_EQ(tangent, tangent.transpose());  // one half is copied to the other
-  }
-}
-
 TYPED_TEST(AnyMaterial, DoesNotFeelARotationOfTheObserver) {
   const Matrix Q = rotation(0.7, {1, -2, 3});
   for (const Matrix& F : this->states) {

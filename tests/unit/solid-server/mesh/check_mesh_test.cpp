@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/mesh/check_conformity.hpp"
 #include "solid-server/mesh/file/read_mesh.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "tests/unit/solid-server/mesh/file/mesh_texts.hpp"
@@ -145,6 +146,67 @@ TEST(CheckMesh, RefusesElementsWithoutARegionBesideOthers) {
             "body: 1 elements belong to no region, the first is element 1 at (1.5, 0.5, 0.5) m; name a region for "
             "every element "
             "or for none");
+}
+
+/// The box whose second element has the nodes of another shape of hexahedron: corners only.
+SolidMesh with_mixed_hexahedra() {
+  SolidMesh mesh = box();
+  ElementBlock linear;
+  linear.shape = ElementShape::hexahedron8;
+  linear.first_element = 1;
+  linear.node.assign(mesh.block[0].node.begin() + 20, mesh.block[0].node.begin() + 28);
+  mesh.block[0].node.resize(20);
+  mesh.block.push_back(linear);
+  return mesh;
+}
+
+TEST(CheckMesh, RefusesNeighboursThatShareCornersOnly) {
+  const auto complaint = find_nonconforming(with_mixed_hexahedra());
+  ASSERT_TRUE(complaint);
+  EXPECT_NE(complaint->find("element 0 at (0.5, 0.5, 0.5) m (hexahedron20)"), std::string::npos) << *complaint;
+  EXPECT_NE(complaint->find("element 1 at (1.5, 0.5, 0.5) m (hexahedron8)"), std::string::npos) << *complaint;
+  EXPECT_NE(complaint->find("there are 3 more such places"), std::string::npos) << *complaint;  // four edges between
+  EXPECT_NE(refusal(with_mixed_hexahedra()).find(*complaint), std::string::npos);
+  EXPECT_FALSE(find_nonconforming(box()));
+}
+
+TEST(CheckMesh, RefusesTrianglesAgainstAQuadrilateral) {
+  // A cube of 8 nodes, and a tetrahedron on half of its side x = 1 whose edges have their own midside nodes there but
+  // for those of the square, which are straight: only the face tells.
+  SolidMesh mesh = make_box_mesh({{1, 1, 1}, {1, 1, 1}});
+  const auto at = [&](double x, double y, double z) {
+    for (Index n = 0; n < mesh.n_nodes(); ++n)
+      if ((mesh.node_position.row(n) - Eigen::RowVector3d(x, y, z)).norm() < 1e-12) return n;
+    return Index{-1};
+  };
+  const Index a = at(1, 0, 0), b = at(1, 1, 0), c = at(1, 0, 1), ab = at(1, 0.5, 0), ac = at(1, 0, 0.5);
+  const Index n = mesh.n_nodes();
+  mesh.node_position.conservativeResize(n + 5, 3);
+  mesh.node_position.bottomRows(5) << 2, 0, 0, 1, 0.5, 0.5, 1.5, 0, 0, 1.5, 0.5, 0, 1.5, 0, 0.5;
+  ElementBlock tetrahedra;  // corners a, b, c and the apex n; midside nodes 0-1, 1-2, 2-0, 0-3, 1-3, 2-3
+  tetrahedra.shape = ElementShape::tetrahedron10;
+  tetrahedra.first_element = 1;
+  tetrahedra.node = {a, b, c, n, ab, n + 1, ac, n + 2, n + 3, n + 4};
+  mesh.block.push_back(tetrahedra);
+  const auto complaint = find_nonconforming(mesh);
+  ASSERT_TRUE(complaint);
+  EXPECT_NE(complaint->find("one has a triangle where the other has a quadrilateral"), std::string::npos) << *complaint;
+}
+
+TEST(FindNodes, RefusesANameOfASurfaceAndOfOtherNodes) {
+  SolidMesh mesh = box();
+  mesh.node_set["x_min"] = mesh.find_nodes("x_min", "");
+  EXPECT_EQ(mesh.find_nodes("x_min", "").size(), 8U);  // the same nodes: Gmsh writes both
+  mesh.node_set["x_min"] = {0};
+  try {
+    mesh.find_nodes("x_min", "fixed[0]");
+    ADD_FAILURE() << "accepted";
+  } catch (const report::SceneError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "fixed[0]: \"x_min\" is the name of a surface and of a node set of the mesh with other nodes; give one "
+        "of them another name");
+  }
 }
 
 TEST(CheckMesh, ShowsTenComplaintsAndCountsTheOthers) {

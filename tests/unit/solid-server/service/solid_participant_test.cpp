@@ -9,6 +9,7 @@
 
 #include "proto/report/failure.hpp"
 #include "proto/store/result_reader.hpp"
+#include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/service/estimate_solid.hpp"
 #include "solid-server/service/make_setup.hpp"
 #include "solid-server/service/mesh_size.hpp"
@@ -48,6 +49,10 @@ const std::string flow_text = R"scene(
     glottis { model: B1 subglottal_pressure { row { time: 0 value: 100 } } midplane: 0.0102 }
   }
 )scene";
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
 
 participant::OpenRequest request(const std::string& text) {
   participant::OpenRequest out;
@@ -194,6 +199,66 @@ TEST(SolidParticipant, RefusesACheckpointOfAnotherMesh) {
   EXPECT_THROW(solid.open(other), report::FileError);
 }
 
+TEST(SolidParticipant, RefusesToGoOnByAnotherMethod) {
+  const auto path = fresh_folder("solid_other_method") / "fold.h5";
+  Driven driven(request(solid_text));
+  driven.go();
+  driven.solid.write_checkpoint(path.string());
+  auto other = request(solid_text);
+  auto& integration = *other.scene.mutable_solid()->mutable_time_integration();
+  integration.set_method(v1::TimeIntegration::GENERALIZED_ALPHA);
+  other.resume_from = path.string();
+  SolidParticipant solid({});
+  try {
+    solid.open(other);
+    ADD_FAILURE() << "accepted";
+  } catch (const report::SceneError& error) {
+    EXPECT_STREQ(
+        error.what(),
+        "solid.time_integration.method: the scene asks for GENERALIZED_ALPHA, but the checkpoint was written by "
+        "CENTRAL_DIFFERENCE; go on with that method, or start a new run");
+  }
+  integration.set_method(v1::TimeIntegration::AUTO);  // goes on as the run began
+  EXPECT_NO_THROW(SolidParticipant({}).open(other));
+}
+
+/// What the scene is refused with.
+std::string refusal(const std::string& text) {
+  SolidParticipant solid({});
+  try {
+    solid.open(request(text));
+  } catch (const report::SceneError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(SolidParticipant, RefusesASurfaceThatWouldFeelTheFlowTwice) {
+  EXPECT_EQ(
+      refusal(replaced(solid_text, R"(wetted: "superior")", R"(wetted: "superior" wetted: "medial")") + flow_text),
+      "wetted: \"medial\" and \"medial\" have a face in common, which would feel the flow twice; name each part of "
+      "the surface once");
+}
+
+TEST(SolidParticipant, RefusesAProbeThatIsNotInTheBody) {
+  const auto probed = [](const std::string& place) {
+    return refusal(solid_text + "output { probe { name: 'tip' at { position { " + place + " } } } }");
+  };
+  EXPECT_NE(
+      probed("x: 1 y: 9 z: 1").find("output.probe[0].at.position: (1, 9, 1) m is not in the solid: its nearest node"),
+      std::string::npos);
+  EXPECT_EQ(probed("x: 0 y: 0 z: 0"), "accepted");
+}
+
+TEST(SolidParticipant, RefusesAMotionThatBeginsWithAJump) {
+  const auto moved = [](const std::string& x) {
+    return refusal(
+        replaced(solid_text, "rigid_plane", "prescribed_motion { nodes: 'anterior' x: '" + x + "' } rigid_plane"));
+  };
+  EXPECT_NE(moved("1e-4 * cos(t)").find("gives 0.0001 m at t = 0"), std::string::npos) << moved("1e-4 * cos(t)");
+  EXPECT_EQ(moved("1e-4 * sin(t)"), "accepted");
+}
+
 TEST(SolidParticipant, RefusesAStepThatDoesNotStartAtTheAcceptedTime) {
   Driven driven(request(solid_text));
   EXPECT_THROW(driven.solid.solve_step({1, 1, coupling_step, coupling_step}, {}), report::PeerError);
@@ -325,9 +390,15 @@ TEST(Placement, TurnsAndMovesABody) {
 }
 
 TEST(WorthwhileThreads, AreNeverMoreThanOfferedAndOneForASmallBody) {
-  EXPECT_EQ(worthwhile_threads(4, 100), 1);
-  EXPECT_EQ(worthwhile_threads(2, 100000), 2);
-  EXPECT_GE(worthwhile_threads(0, 100000), 1);
+  SolidSetup setup;
+  setup.mesh = make_box_mesh({{1, 1, 1}, {10, 10, 10}});
+  setup.properties = {{MooneyRivlin{1, 1, 1}, 1, 8}};
+  EXPECT_EQ(worthwhile_threads(4, setup), 2);  // 8000 points, at least 4000 for each
+  setup.properties.front().n_points = 27;
+  EXPECT_EQ(worthwhile_threads(4, setup), 4);
+  EXPECT_GE(worthwhile_threads(0, setup), 1);
+  setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
+  EXPECT_EQ(worthwhile_threads(4, setup), 1);
 }
 
 }  // namespace

@@ -154,6 +154,13 @@ ends, 1.
   EXPECT_EQ(mesh.marker.at("tip"), 15);
 }
 
+TEST(ReadAbaqus, TakesASetThatNamesItselfOnce) {
+  // Each line would double the set, and forty of them fill any memory.
+  std::string text = std::string(three_cubes) + "*NSET, NSET=ring\n1, 2\n";
+  for (int n = 0; n < 40; ++n) text += "ring\n";
+  EXPECT_EQ(read_abaqus(text, "m.inp", 1).mesh.node_set.at("ring"), (std::vector<Index>{0, 1}));
+}
+
 TEST(ReadAbaqus, SaysOnceWhichKeywordsItSkips) {
   const MeshReading reading = read_abaqus(
       three_cubes + std::string("*MATERIAL, NAME=A\n*ELASTIC\n1, .3\n*Material, name=B\n*STEP\n*END STEP\n"), "m.inp",

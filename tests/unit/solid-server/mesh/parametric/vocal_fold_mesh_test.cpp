@@ -147,7 +147,8 @@ TEST(WettedSurface, NamesTheSurfacesThatThereAre) {
     make_wetted_surface(mesh, {"medial", "dorsal"});
     FAIL();
   } catch (const report::SceneError& error) {
-    EXPECT_NE(std::string(error.what()).find("wetted[1]"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("wetted: the mesh has no surface \"dorsal\""), std::string::npos)
+        << error.what();
     EXPECT_NE(std::string(error.what()).find("superior"), std::string::npos) << error.what();
   }
 }
