@@ -11,6 +11,7 @@
 #include "solid-server/choose_time_method.hpp"
 #include "solid-server/service/make_setup.hpp"
 #include "solid-server/service/solid_checkpoint.hpp"
+#include "solid-server/service/time_integration_warning.hpp"
 
 namespace couplet::solid {
 
@@ -77,7 +78,10 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   if (!model_->accepted().why_method.empty())
     std::cerr << "solid-server: time integration: " << model_->accepted().why_method << '\n';
 
+  model_->set_watch(goes_on_);
   model_->n_substeps(request.scene.time().step());  // refuses a step without end before anything is written
+  if (const auto warning = time_integration_warning(request.scene, model_->accepted().method); !warning.empty())
+    std::cerr << "solid-server: warning: " << warning << '\n';
   if (is_new) warn_of_contact_at_rest();
 
   const Motion& motion = model_->accepted().motion;
@@ -98,6 +102,11 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   opened.offers = {"displacement", "velocity"};
   opened.fields = fields_at_surface(motion);
   return opened;
+}
+
+void SolidParticipant::watch_steps(std::function<bool(double time)> goes_on) {
+  goes_on_ = std::move(goes_on);
+  if (model_) model_->set_watch(goes_on_);
 }
 
 participant::StepSolved SolidParticipant::solve_step(const participant::StepInterval& interval,
