@@ -196,8 +196,18 @@ void SurfaceContact::find_boxes(std::size_t region) {
   for (std::size_t f = 0; f < box_[region].size(); ++f) box_[region][f] = region_[region].face[f].curved(x_).box();
 }
 
+ContactPositions SurfaceContact::positions_at(const double* displacement) const {
+  ContactPositions x(node_.size());
+  for (std::size_t n = 0; n < node_.size(); ++n) x[n] = rest_[n] + load_quad(displacement + width * node_[n]);
+  return x;
+}
+
 void SurfaceContact::search(const double* displacement) {
-  for (std::size_t n = 0; n < node_.size(); ++n) x_[n] = rest_[n] + load_quad(displacement + width * node_[n]);
+  x_ = positions_at(displacement);
+  search_here();
+}
+
+void SurfaceContact::search_here() {
   is_active_ = false;
   std::vector<char> is_near(region_.size(), 0);
   for (Side& side : sides_) {
@@ -269,6 +279,12 @@ void SurfaceContact::write(int member, int n_members, double* force) {
 void SurfaceContact::find_all(const double* displacement) {
   search(displacement);
   find_gaps(0, 1);
+}
+
+bool SurfaceContact::is_touching() const {
+  const auto touches = [](const Touch& touch) { return touch.gap > 0; };
+  return std::any_of(sides_.begin(), sides_.end(),
+                     [&](const Side& side) { return std::any_of(side.touch.begin(), side.touch.end(), touches); });
 }
 
 SurfaceContact::Total SurfaceContact::total(const double* displacement) {

@@ -80,6 +80,13 @@ class SurfaceContact {
   /// All forces, by one thread: added to `force`, a NodeVectors array of the mesh [N]. Returns the energy [J].
   double add(const double* displacement, double* force);
 
+  /// Whether a point that find_gaps looked at last touches.
+  bool is_touching() const;
+  /// Whether a point comes deeper into contact, on the straight way between two displacements [m], by more than an
+  /// eighth of the depth over which its pair pushes, d0 + largest_depth. A step in which none does has felt all that it
+  /// met: no point has come from the front of a sheet to its back, or to where it is let go.
+  bool deepens_too_fast(const double* from, const double* to);
+
   /// One touching point; Newton's method should search along its line, since the direction of a force jumps where a
   /// point crosses an edge between two faces. Its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction
   /// on node a [N/m]. Left out are the change of the direction and the sliding of p, of size k A g / (size of a face),
@@ -127,6 +134,8 @@ class SurfaceContact {
   Touch touch_of(const Side& side, const NodeQuad& x, std::span<const Index> faces) const;
   void find_boxes(std::size_t region);
   void find_all(const double* displacement);
+  ContactPositions positions_at(const double* displacement) const;
+  void search_here();  // at x_
   template <class Visit>
   void for_each_touch(const Visit& visit) const;
   template <class Visit>
