@@ -297,6 +297,25 @@ NodeVectors hairpin(const SolidMesh& mesh, double distance) {
   return u;
 }
 
+TEST(SurfaceContact, NoticesAWayThatIsTooLongToFollow) {
+  const SolidMesh mesh = two_plates();  // 0.2 apart; pushes over d0 + largest depth = 0.15, an eighth is 0.01875
+  SurfaceContact contact(mesh, {pair_of_plates()});
+  const auto too_fast = [&](const Eigen::RowVector3d& from, const Eigen::RowVector3d& to) {
+    return contact.deepens_too_fast(moved(mesh, from, 0).data(), moved(mesh, to, 0).data());
+  };
+  EXPECT_FALSE(too_fast({0, 0, 0}, {0, 0, -0.168}));      // 0.018 deep at its end
+  EXPECT_TRUE(too_fast({0, 0, 0}, {0, 0, -0.17}));        // 0.02
+  EXPECT_TRUE(too_fast({0, 0, 0}, {0, 0, -1.5}));         // right through the lower plate, free at both ends
+  EXPECT_FALSE(too_fast({3, 0, 0}, {3, 0, -1.5}));        // beside it
+  EXPECT_FALSE(too_fast({0, 0, -0.18}, {0, 0, 1}));       // away from it
+  EXPECT_FALSE(too_fast({0, 0, -0.18}, {0, 0, -0.198}));  // from 0.03 deep to 0.048
+  EXPECT_TRUE(too_fast({0, 0, -0.18}, {0, 0, -0.2}));
+  NodeVectors together = moved(mesh, {0, 0, -0.18}, 0);
+  together.col(2).array() += 1e3;  // both plates
+  EXPECT_FALSE(contact.deepens_too_fast(moved(mesh, {0, 0, -0.18}, 0).data(), together.data()));
+  EXPECT_TRUE(too_fast({0, 0, 0}, {0, 0, -1e6}));  // not even looked at
+}
+
 TEST(SurfaceContact, SelfContactFindsTheOtherLegAndNotTheNeighbours) {
   const SolidMesh mesh = make_box_mesh({{4, 0.2, 0.1}, {40, 2, 1}});
   SurfaceContact contact(mesh, {{"z_max", "", k, d0, 0.02}});
