@@ -7,7 +7,7 @@
 
 namespace couplet::solid {
 
-/// Two named surfaces that keep apart.
+/// Two named surfaces that keep apart: points of each against faces of the other, each with half the stiffness.
 struct ContactPair {
   std::string first, second;  // second empty: the first with itself
   double stiffness = 0;       // k: pressure per depth inside the contact distance [Pa/m]
@@ -15,8 +15,6 @@ struct ContactPair {
   double largest_depth = 0;  // a point deeper behind a face than this has nothing to do with it: below the thickness of
                              // a thin sheet [m]
   bool cancels_interface_load = true;
-  bool is_symmetric = true;  // points of both surfaces against faces of the other, each with half the stiffness;
-                             // otherwise points of the first against faces of the second
 
   const std::string& other() const { return second.empty() ? first : second; }
 };
@@ -67,7 +65,7 @@ class SurfaceContact {
   void write(int member, int n_members, double* force);
 
   /// 1: no contact; 0: the interface load on this contact node is cancelled. It is the mean of the points around the
-  /// node, weighted by |N_a| A_q. In a pair that is not symmetric only nodes of the first surface.
+  /// node, weighted by |N_a| A_q.
   double interface_load_factor(Index contact_node) const { return factor_[static_cast<std::size_t>(contact_node)]; }
 
   struct Total {
@@ -99,9 +97,6 @@ class SurfaceContact {
     double stiffness;
   };
   std::vector<StiffnessTerm> stiffness(const double* displacement);
-  /// Pairs (a < b) of nodes of the mesh that may be coupled by contact as long as n_searches() stays the same, each
-  /// once.
-  std::vector<std::pair<Index, Index>> coupled_nodes(const double* displacement);
 
   /// For each node of a mesh of n_nodes a number b_a [N/m] such that u.K u <= sum of b_a |u_a|^2 for the stiffness K of
   /// contact, if the whole surfaces touched: b_a / m_a bounds what contact adds to omega_max^2.
