@@ -25,6 +25,16 @@ def new_figure(n_rows=1, n_columns=1, width=9.0, height=2.7, **options):
     return pyplot.subplots(n_rows, n_columns, figsize=(width, height * n_rows), **options)
 
 
+def legend_above(figure, axes, n_columns=6):
+    """What the lines of the axes are, in rows above all axes of the figure, which grows by them."""
+    handles, names = axes.get_legend_handles_labels()
+    width, height = figure.get_size_inches()
+    rows = 0.2 * -(-len(names) // n_columns)
+    figure.set_size_inches(width, height + rows)
+    figure.get_layout_engine().set(rect=(0, 0, 1, height / (height + rows)))
+    figure.legend(handles, names, loc="upper left", ncols=n_columns, fontsize=8)
+
+
 def svg_of(figure, name, trim=False):
     """The figure as SVG that scales with the page. `name` keeps the ids of several figures on one page apart. `trim` fits the picture
     to what is drawn, for axes that keep their own proportions."""

@@ -6,7 +6,7 @@ from html import escape
 
 import numpy
 
-from figures import label, new_figure, readable, svg_of
+from figures import label, legend_above, new_figure, readable, svg_of
 from oscillation import main_frequency, spectrum, thin
 from page import figure, number, section, table
 from scene_text import find, leaves
@@ -140,8 +140,8 @@ def probes(run):
             grid[0][1].plot(*thin(1e3 * time[late], factor * run.history[column][late]))
     whole.set(xlabel="time [s]", ylabel=label("displacement", unit))
     if has_end:
-        grid[0][1].set(xlabel="time [ms]", title="the end of the run")
-    whole.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8)
+        grid[0][1].set(xlabel="time [ms], the end of the run")
+    legend_above(chart, whole)
     return section("Displacement at the probes", figure(svg_of(chart, "probes"), "Displacement of the probes from their place at rest."),
                    figure(_spectrum(run, columns), "Amplitude spectrum of the second half of the run, Hann window."))
 
@@ -163,7 +163,7 @@ def _spectrum(run, columns):
         shown = frequency <= highest
         axes.plot(*thin(frequency[shown], amplitude[shown]), label=column)
     axes.set(xlabel="frequency [Hz]", ylabel=label("amplitude", unit), xlim=(0, highest))
-    axes.legend(ncols=3, fontsize=8)
+    legend_above(chart, axes)
     return svg_of(chart, "spectrum")
 
 

@@ -20,7 +20,8 @@ def spectrum(time, values):
 
 
 def main_frequency(time, values, lowest=20.0, highest=1000.0):
-    """Frequency of the main line [Hz]: the peak of a parabola through the highest bin; None without an oscillation."""
+    """Frequency of the main line [Hz]: the peak of a parabola through the highest bin; None without an oscillation, also where the highest
+    bin is but the flank of something slower."""
     if len(time) < 16 or time[-1] - time[0] < 2 / highest or numpy.ptp(values) <= 0:
         return None
     frequency, amplitude = spectrum(time, values)
@@ -28,6 +29,8 @@ def main_frequency(time, values, lowest=20.0, highest=1000.0):
     if len(inside) == 0:
         return None
     k = inside[amplitude[inside].argmax()]
+    if k > 0 and amplitude[k - 1] > amplitude[k]:
+        return None
     if k == 0 or k + 1 >= len(amplitude):
         return float(frequency[k])
     left, peak, right = numpy.log(amplitude[k - 1: k + 2] + 1e-300)

@@ -108,8 +108,10 @@ def _valve_view(scene):
     orifice = find(scene, "solid.orifice")
     if orifice:
         return "XYZ".index(find(orifice, "axis", "X")), find(orifice, "radius"), _point(find(orifice, "centre"))
-    valve = next((find(body, "valve") for body in solid_facts.solid_of(scene).get("body", []) if find(body, "valve")), None)
-    return (0, find(valve, "tube_radius"), _point(find(valve, "base_centre"))) if valve else None
+    body = next((body for body in solid_facts.solid_of(scene).get("body", []) if find(body, "valve")), None)
+    if not body or find(body, "placement.rotation_angle", 0):
+        return None
+    return 0, find(body, "valve.tube_radius"), _point(find(body, "placement.translation"))
 
 
 def _point(message):
@@ -117,7 +119,7 @@ def _point(message):
 
 
 def _wanted_times(run):
-    """Start, opening, closing and end of the first cycle of the first orifice: times, and what happens there."""
+    """Times at which the first orifice opens for the first time, is open, has closed, and halfway from there to the next opening."""
     names = orifice_names(run) if has_rows(run, 3) else []
     if not names:
         return []
@@ -126,9 +128,10 @@ def _wanted_times(run):
     if not cycles:
         return [float(time[area.argmax()])]
     first = cycles[0]
-    wanted = [first[key] for key in ("opens", "is_open", "closes", "is_closed") if key in first]
+    wanted = [first[key] for key in ("opens", "is_open", "is_closed") if key in first]
     if "is_closed" in first:
-        return wanted
+        closed_until = cycles[1].get("opens", time[-1]) if len(cycles) > 1 else time[-1]
+        return wanted + [float(0.5 * (first["is_closed"] + closed_until))]
     rising = (time > first["opens"]) & (time < first["is_open"]) & (area >= 0.5 * area.max())
     return wanted + [float(time[rising][0]) if rising.any() else 0.5 * (first["opens"] + first["is_open"]), float(time[area.argmax()])]
 
@@ -156,7 +159,7 @@ def pictures(run):
         cameras = [along(axis), from_the_side(axis)]
         image = picture(painter, cameras, titles, N_PICTURES, _tube(axis, radius, centre))
         words = ("Above: along the axis from its far end; the circle is the opening. Below: from the side." + (" The moments are those of opening"
-                 " and closing (10 % and 90 % of the largest area), as near as states are stored." if names else ""))
+                 " and closing (10 % and 90 % of the largest area) and one halfway to the next opening, as near as states are stored." if names else ""))
     else:
         camera = sensible_camera(*painter.corners)
         limits = painter.limits(camera)

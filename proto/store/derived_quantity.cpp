@@ -104,14 +104,17 @@ void set_mean(SummaryQuantity& result, const Evidence& evidence) {
   result.value = integral / duration;
 }
 
-/// The last sample that is not after the end of the window.
-void set_final(SummaryQuantity& result, const Evidence& evidence) {
+/// The samples of the window as they stand in the history, at least one, times the factor.
+std::vector<double> samples(const Evidence& evidence) {
   const auto& time = evidence.time();
-  const double until = evidence.until();
-  const auto after = std::upper_bound(time.begin(), time.end(), until + 1e-9 * std::abs(until)) - time.begin();
+  const auto& column = evidence.history.values[evidence.history.find(evidence.quantity.column())];
+  const double from = evidence.from(), until = evidence.until(), round_off = 1e-9 * std::abs(until);
+  const auto after = std::upper_bound(time.begin(), time.end(), until + round_off) - time.begin();
   if (after == 0) throw report::NumericsError("history", "it has no row up to the end of the window", "run longer");
-  const auto column = evidence.history.find(evidence.quantity.column());
-  result.value = evidence.quantity.factor() * evidence.history.values[column][after - 1];
+  const auto first = std::lower_bound(time.begin(), time.begin() + after - 1, from - round_off) - time.begin();
+  std::vector<double> values(column.begin() + first, column.begin() + after);
+  for (double& value : values) value *= evidence.quantity.factor();
+  return values;
 }
 
 }  // namespace
@@ -140,8 +143,13 @@ SummaryQuantity derive_quantity(const v1::Quantity& quantity, const Table& histo
       result.value -= offset;
       break;
     case v1::Quantity::FINAL:
-      set_final(result, evidence);
-      result.value -= offset;
+      result.value = samples(evidence).back() - offset;
+      break;
+    case v1::Quantity::LARGEST:
+      result.value = std::ranges::max(samples(evidence)) - offset;
+      break;
+    case v1::Quantity::SMALLEST:
+      result.value = std::ranges::min(samples(evidence)) - offset;
       break;
     case v1::Quantity::MAXIMUM:
       by_cycle([&](const Cycle& cycle) { return cycle.largest - offset; });

@@ -40,8 +40,8 @@ struct ProjectedVolume {
     for (int q = 0; q < packs.n_points; ++q) {
       const Pack J = Jbar.at(packs, q), volume = load(geometry[10 * q + 9]);
       total.is_sound &= J > 0.0;
-      pressure_moment.add(packs, q, law.volumetric_pressure(J) * volume);
-      if constexpr (with_energy) total.energy += (1 - share) * law.volumetric_energy(J) * volume;
+      pressure_moment.add(packs, q, law.volumetric_part().pressure(J) * volume);
+      if constexpr (with_energy) total.energy += (1 - share) * law.volumetric_part().energy(J) * volume;
     }
     const VolumeModes<n_functions> pressure = pressure_moment.times(inverse_gram);
 
@@ -53,8 +53,8 @@ struct ProjectedVolume {
       if constexpr (with_energy) total.energy += g.volume * energy_of(isochoric, F, axes);
       if constexpr (n_functions == 1) {
         const Pack J = determinant(F, cof);
-        p = (1 - share) * p + share * law.volumetric_pressure(J);
-        if constexpr (with_energy) total.energy += share * g.volume * law.volumetric_energy(J);
+        p = (1 - share) * p + share * law.volumetric_part().pressure(J);
+        if constexpr (with_energy) total.energy += share * g.volume * law.volumetric_part().energy(J);
       }
       const Tensor<Pack> P = sum(stress_of(isochoric, F, axes), scaled(p, cof));
       Pack flux[3][3];

@@ -43,8 +43,8 @@ struct ProjectedVolume {
         if constexpr (n_functions == 1) {
           const Tensor<Pack> cof = cofactor(F);
           const Pack J = determinant(F, cof);
-          p = (1 - share) * p + share * law.volumetric_pressure(J);
-          add_outer_product(scaled(share * law.volumetric_stiffness(J), cof), cof, by_pressure);
+          p = (1 - share) * p + share * law.volumetric_part().pressure(J);
+          add_outer_product(scaled(share * law.volumetric_part().stiffness(J), cof), cof, by_pressure);
         }
         add_second_derivative_of_volume(p, F, by_pressure);
         by_pressure = mirrored(by_pressure);
@@ -101,10 +101,10 @@ struct ProjectedVolume {
     for (int q = 0; q < packs.n_points; ++q) {
       const Pack J = Jbar.at(packs, q), volume = load(geometry[10 * q + 9]);
       is_sound &= J > 0.0;
-      pressure_moment.add(packs, q, law.volumetric_pressure(J) * volume);
+      pressure_moment.add(packs, q, law.volumetric_part().pressure(J) * volume);
       const double* phi = &packs.volume_function[static_cast<std::size_t>(q * n_functions)];
       for (int A = 0; A < n_functions; ++A)
-        out.stiffness[A].add(packs, q, phi[A] * law.volumetric_stiffness(J) * volume);
+        out.stiffness[A].add(packs, q, phi[A] * law.volumetric_part().stiffness(J) * volume);
     }
     out.pressure = pressure_moment.times(inverse_gram);
     const Modes change_of_Jbar = change_of_moment.times(inverse_gram);

@@ -8,6 +8,7 @@
 #include "solid-server/material/isochoric_invariant.hpp"
 #include "solid-server/material/tangent_parts.hpp"
 #include "solid-server/material/tensor.hpp"
+#include "solid-server/material/volumetric_part.hpp"
 
 namespace couplet::solid {
 
@@ -55,7 +56,7 @@ struct HolzapfelGasserOgden {
   template <class Real>
   [[gnu::always_inline]] inline Real energy(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
     const IsochoricInvariant<Real> I1(F);
-    Real energy = 0.5 * mu * (I1.value - 3.0) + volumetric_energy(I1.J);
+    Real energy = 0.5 * mu * (I1.value - 3.0) + volumetric_part().energy(I1.J);
     for (const double sign : {1.0, -1.0}) energy += (0.5 * k1 / k2) * (Family<Real>(*this, F, axes, sign).growth - 1.0);
     return energy;
   }
@@ -64,7 +65,7 @@ struct HolzapfelGasserOgden {
   template <class Real>
   [[gnu::always_inline]] inline Tensor<Real> stress(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
     const IsochoricInvariant<Real> I1(F);
-    Tensor<Real> P = I1.stress(Real{} + 0.5 * mu, volumetric_pressure(I1.J));
+    Tensor<Real> P = I1.stress(Real{} + 0.5 * mu, volumetric_part().pressure(I1.J));
     for (const double sign : {1.0, -1.0}) {
       const Family<Real> family(*this, F, axes, sign);
       P = sum(P, scaled(2 * k1 * family.strain * family.growth, half_gradient(F, family.fibre)));
@@ -77,7 +78,8 @@ struct HolzapfelGasserOgden {
   template <class Real>
   [[gnu::always_inline]] inline BasicTangent<Real> tangent(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
     const IsochoricInvariant<Real> I1(F);
-    BasicTangent<Real> tangent = I1.tangent(Real{} + 0.5 * mu, volumetric_pressure(I1.J), volumetric_stiffness(I1.J));
+    BasicTangent<Real> tangent =
+        I1.tangent(Real{} + 0.5 * mu, volumetric_part().pressure(I1.J), volumetric_part().stiffness(I1.J));
     for (const double sign : {1.0, -1.0}) {
       const Family<Real> family(*this, F, axes, sign);
       const Tensor<Real> half = half_gradient(F, family.fibre);
@@ -90,20 +92,8 @@ struct HolzapfelGasserOgden {
     return mirrored(tangent);
   }
 
-  /// U = K/2 (J - 1)^2, U', U''. Fibres feel the volume too, but their energy is no function of J alone: it stays in
-  /// W_1.
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_energy(const Real& J) const {
-    return 0.5 * bulk_modulus * (J - 1.0) * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_pressure(const Real& J) const {
-    return bulk_modulus * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_stiffness(const Real&) const {
-    return Real{} + bulk_modulus;
-  }
+  /// Fibres feel the volume too, but their energy is no function of J alone: it stays in the rest.
+  VolumetricPart volumetric_part() const { return {bulk_modulus}; }
   HolzapfelGasserOgden without_volumetric_part() const { return {mu, 0, k1, k2, dispersion, cosine, sine}; }
 
  private:

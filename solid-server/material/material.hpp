@@ -11,6 +11,7 @@
 #include "solid-server/material/pack.hpp"
 #include "solid-server/material/saint_venant_kirchhoff.hpp"
 #include "solid-server/material/tensor.hpp"
+#include "solid-server/material/volumetric_part.hpp"
 
 namespace couplet::solid {
 
@@ -27,8 +28,7 @@ namespace couplet::solid {
 /// What the caller must know before:
 ///   is_anisotropic         the axes are needed;
 ///   needs_positive_volume  the formulas mean nothing for J <= 0; the caller looks at J;
-///   has_volumetric_part    W = W_1(F) + U(J): volumetric_energy(J) = U [J/m^3], volumetric_pressure(J) = U' [Pa],
-///                          volumetric_stiffness(J) = U'' [Pa], without_volumetric_part() = the law of W_1 alone;
+///   has_volumetric_part    W = W_1(F) + U(J): volumetric_part() = U, without_volumetric_part() = the law of W_1 alone;
 ///   may_lose_stiffness     loses_stiffness(F) tells where the law answers more compression with less stress.
 /// Tests differentiate energy to check stress, and stress to check tangent, for every member of Material.
 template <class M>
@@ -53,13 +53,8 @@ concept AnisotropicMaterial = requires(const M material, const Tensor<double> F,
 };
 
 template <class M>
-concept VolumetricMaterial = requires(const M material, const double J, const Pack packed) {
-  { material.volumetric_energy(J) } -> std::same_as<double>;
-  { material.volumetric_pressure(J) } -> std::same_as<double>;
-  { material.volumetric_stiffness(J) } -> std::same_as<double>;
-  { material.volumetric_energy(packed) } -> std::same_as<Pack>;
-  { material.volumetric_pressure(packed) } -> std::same_as<Pack>;
-  { material.volumetric_stiffness(packed) } -> std::same_as<Pack>;
+concept VolumetricMaterial = requires(const M material) {
+  { material.volumetric_part() } -> std::same_as<VolumetricPart>;
   { material.without_volumetric_part() } -> std::same_as<M>;
 };
 

@@ -7,6 +7,7 @@
 #include "solid-server/material/isochoric_invariant.hpp"
 #include "solid-server/material/tangent_parts.hpp"
 #include "solid-server/material/tensor.hpp"
+#include "solid-server/material/volumetric_part.hpp"
 
 namespace couplet::solid {
 
@@ -36,14 +37,15 @@ struct MayNewman {
   template <class Real>
   [[gnu::always_inline]] inline Real energy(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
     const Point<Real> p(*this, F, axes);
-    return p.grown - c0 + 0.5 * matrix_shear_modulus * p.x + volumetric_energy(p.I1.J);
+    return p.grown - c0 + 0.5 * matrix_shear_modulus * p.x + volumetric_part().energy(p.I1.J);
   }
 
   /// dW/dI1bar dI1bar/dF + dW/dalpha f (x) m / alpha + U' cof F.
   template <class Real>
   [[gnu::always_inline]] inline Tensor<Real> stress(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
     const Point<Real> p(*this, F, axes);
-    return sum(p.I1.stress(p.w_1, volumetric_pressure(p.I1.J)), scaled(p.w_alpha * p.inverse_alpha, p.fibre.f_m()));
+    return sum(p.I1.stress(p.w_1, volumetric_part().pressure(p.I1.J)),
+               scaled(p.w_alpha * p.inverse_alpha, p.fibre.f_m()));
   }
 
   /// With a = dalpha/dF = f (x) m / alpha, b = dI1bar/dF, d2alpha/dF_iJ dF_kL = (delta_ik m_J m_L - a_iJ a_kL)/alpha
@@ -56,26 +58,15 @@ struct MayNewman {
     const Real w_11 = p.grown * (2 * c1 + p.q_1 * p.q_1), w_1a = p.grown * p.q_1 * p.q_alpha,
                w_aa = p.grown * (12 * c2 * p.y * p.y + p.q_alpha * p.q_alpha), along = p.w_alpha * p.inverse_alpha;
     const Tensor<Real> a = scaled(p.inverse_alpha, p.fibre.f_m()), b = p.I1.gradient();
-    BasicTangent<Real> tangent = p.I1.tangent(p.w_1, volumetric_pressure(p.I1.J), volumetric_stiffness(p.I1.J));
+    BasicTangent<Real> tangent =
+        p.I1.tangent(p.w_1, volumetric_part().pressure(p.I1.J), volumetric_part().stiffness(p.I1.J));
     add_outer_product(b, sum(scaled(w_11, b), scaled(w_1a, a)), tangent);
     add_outer_product(a, sum(scaled(w_1a, b), scaled(w_aa - along, a)), tangent);
     add_for_equal_rows(scaled(along, p.fibre.m_m()), tangent);
     return mirrored(tangent);
   }
 
-  /// U = K/2 (J - 1)^2, U', U''.
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_energy(const Real& J) const {
-    return 0.5 * bulk_modulus * (J - 1.0) * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_pressure(const Real& J) const {
-    return bulk_modulus * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_stiffness(const Real&) const {
-    return Real{} + bulk_modulus;
-  }
+  VolumetricPart volumetric_part() const { return {bulk_modulus}; }
   MayNewman without_volumetric_part() const { return {c0, c1, c2, matrix_shear_modulus, 0}; }
 
  private:

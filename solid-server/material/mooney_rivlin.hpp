@@ -4,6 +4,7 @@
 #include "solid-server/material/inverse_cube_root.hpp"
 #include "solid-server/material/tangent_parts.hpp"
 #include "solid-server/material/tensor.hpp"
+#include "solid-server/material/volumetric_part.hpp"
 
 namespace couplet::solid {
 
@@ -28,8 +29,7 @@ struct MooneyRivlin {
   template <class Real>
   [[gnu::always_inline]] inline Real energy(const Tensor<Real>& F) const {
     const Point<Real> p(F);
-    const Real change = p.J - 1.0;
-    return a10 * (p.j2 * p.I1 - 3.0) + a01 * (p.j2 * p.j2 * p.I2 - 3.0) + 0.5 * bulk_modulus * change * change;
+    return a10 * (p.j2 * p.I1 - 3.0) + a01 * (p.j2 * p.j2 * p.I2 - 3.0) + volumetric_part().energy(p.J);
   }
 
   /// With dI1/dF = 2 F, dI2/dF = 2 (I1 F - F C), dJ/dF = cof F:
@@ -40,7 +40,7 @@ struct MooneyRivlin {
     const Point<Real> p(F);
     const Real beta = (2 * a01) * (p.j2 * p.j2);
     const Real alpha = (2 * a10) * p.j2 + beta * p.I1;
-    const Real gamma = bulk_modulus * (p.J - 1.0) -
+    const Real gamma = volumetric_part().pressure(p.J) -
                        ((2.0 / 3 * a10) * (p.j2 * p.I1) + (4.0 / 3 * a01) * (p.j2 * p.j2 * p.I2)) * p.inverse_J;
     Tensor<Real> inner;  // alpha I - beta C
     for (int i = 0; i < 3; ++i)
@@ -60,7 +60,7 @@ struct MooneyRivlin {
     const Point<Real> p(F);
     const Real beta = (2 * a01) * (p.j2 * p.j2), a10_part = a10 * p.j2, I1_part = a10_part * p.I1,
                I2_part = 0.5 * beta * p.I2;
-    const Real gamma = bulk_modulus * (p.J - 1.0) - ((2.0 / 3) * I1_part + (4.0 / 3) * I2_part) * p.inverse_J;
+    const Real gamma = volumetric_part().pressure(p.J) - ((2.0 / 3) * I1_part + (4.0 / 3) * I2_part) * p.inverse_J;
     const Real h = bulk_modulus * p.J * p.J + (10.0 / 9) * I1_part + (28.0 / 9) * I2_part;
     const Tensor<Real> H = scaled(p.inverse_J, p.cof);
     const Tensor<Real> beta_F = scaled(beta, F), minus_beta_F = scaled(-beta, F);
@@ -78,19 +78,7 @@ struct MooneyRivlin {
     return mirrored(tangent);
   }
 
-  /// U = K/2 (J - 1)^2, U', U''.
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_energy(const Real& J) const {
-    return 0.5 * bulk_modulus * (J - 1.0) * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_pressure(const Real& J) const {
-    return bulk_modulus * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_stiffness(const Real&) const {
-    return Real{} + bulk_modulus;
-  }
+  VolumetricPart volumetric_part() const { return {bulk_modulus}; }
   MooneyRivlin without_volumetric_part() const { return {a10, a01, 0}; }
 
  private:

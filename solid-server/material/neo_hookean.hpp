@@ -3,6 +3,7 @@
 
 #include "solid-server/material/isochoric_invariant.hpp"
 #include "solid-server/material/tensor.hpp"
+#include "solid-server/material/volumetric_part.hpp"
 
 namespace couplet::solid {
 
@@ -30,34 +31,22 @@ struct NeoHookean {
   template <class Real>
   [[gnu::always_inline]] inline Real energy(const Tensor<Real>& F) const {
     const IsochoricInvariant<Real> I1(F);
-    return 0.5 * mu * (I1.value - 3.0) + volumetric_energy(I1.J);
+    return 0.5 * mu * (I1.value - 3.0) + volumetric_part().energy(I1.J);
   }
 
   template <class Real>
   [[gnu::always_inline]] inline Tensor<Real> stress(const Tensor<Real>& F) const {
     const IsochoricInvariant<Real> I1(F);
-    return I1.stress(Real{} + 0.5 * mu, volumetric_pressure(I1.J));
+    return I1.stress(Real{} + 0.5 * mu, volumetric_part().pressure(I1.J));
   }
 
   template <class Real>
   [[gnu::always_inline]] inline BasicTangent<Real> tangent(const Tensor<Real>& F) const {
     const IsochoricInvariant<Real> I1(F);
-    return mirrored(I1.tangent(Real{} + 0.5 * mu, volumetric_pressure(I1.J), volumetric_stiffness(I1.J)));
+    return mirrored(I1.tangent(Real{} + 0.5 * mu, volumetric_part().pressure(I1.J), volumetric_part().stiffness(I1.J)));
   }
 
-  /// U = K/2 (J - 1)^2, U', U''.
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_energy(const Real& J) const {
-    return 0.5 * bulk_modulus * (J - 1.0) * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_pressure(const Real& J) const {
-    return bulk_modulus * (J - 1.0);
-  }
-  template <class Real>
-  [[gnu::always_inline]] inline Real volumetric_stiffness(const Real&) const {
-    return Real{} + bulk_modulus;
-  }
+  VolumetricPart volumetric_part() const { return {bulk_modulus}; }
   NeoHookean without_volumetric_part() const { return {mu, 0}; }
 };
 

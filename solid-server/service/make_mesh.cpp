@@ -14,6 +14,7 @@
 #include "solid-server/mesh/parametric/hollow_sphere_mesh.hpp"
 #include "solid-server/mesh/parametric/valve_mesh.hpp"
 #include "solid-server/mesh/parametric/vocal_fold_mesh.hpp"
+#include "solid-server/mesh/place_mesh.hpp"
 
 namespace couplet::solid {
 
@@ -54,7 +55,6 @@ SolidMesh make(const v1::ValveMesh& valve) {
   shape.commissure_gap = valve.commissure_gap();
   shape.contact_fraction = valve.contact_fraction();
   shape.n_elements = {valve.elements_u(), valve.elements_v(), valve.elements_t()};
-  shape.base_centre = vector(valve.base_centre());
   return make_valve_mesh(shape);
 }
 
@@ -119,9 +119,16 @@ SolidMesh read(const v1::Body& body, const std::string& where, const std::filesy
   return reading.mesh;
 }
 
-}  // namespace
+Eigen::Isometry3d make_placement(const v1::Placement& placement, const std::string& where) {
+  const Eigen::Vector3d axis =
+      placement.has_rotation_axis() ? vector(placement.rotation_axis()) : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+  if (!(axis.norm() > 0))
+    throw report::SceneError(where + ".rotation_axis", "the axis (0, 0, 0) has no direction", "give it a length");
+  const double angle = placement.rotation_angle() * std::numbers::pi / 180;
+  return Eigen::Translation3d(vector(placement.translation())) * Eigen::AngleAxisd(angle, axis.normalized());
+}
 
-SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {
+SolidMesh make_or_read(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {
   switch (body.mesh_case()) {
     case v1::Body::kVocalFold:
       return make(body.vocal_fold());
@@ -145,6 +152,14 @@ SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::f
       break;
   }
   throw report::SceneError(where, "the body has no mesh", "give one, for example box");
+}
+
+}  // namespace
+
+SolidMesh make_mesh(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {
+  SolidMesh mesh = make_or_read(body, where, scene_folder);
+  if (body.has_placement()) place_mesh(make_placement(body.placement(), where + ".placement"), mesh);
+  return mesh;
 }
 
 }  // namespace couplet::solid

@@ -26,6 +26,20 @@ constexpr std::array<AbaqusElement, 6> abaqus_elements = {{{"C3D20", ElementShap
                                                            {"C3D8I", ElementShape::hexahedron8},
                                                            {"C3D10", ElementShape::tetrahedron10}}};
 
+/// Elements of surfaces: their corners name a face of a solid element.
+struct AbaqusFace {
+  const char* type;
+  std::size_t n_nodes, n_corners;
+};
+
+constexpr std::array<AbaqusFace, 24> abaqus_faces = {
+    {{"S3", 3, 3},   {"S3R", 3, 3},   {"S4", 4, 4},    {"S4R", 4, 4},  {"S6", 6, 3},    {"STRI65", 6, 3},
+     {"S8", 8, 4},   {"S8R", 8, 4},   {"CPS3", 3, 3},  {"CPS4", 4, 4}, {"CPS4R", 4, 4}, {"CPS6", 6, 3},
+     {"CPS8", 8, 4}, {"CPS8R", 8, 4}, {"CPE3", 3, 3},  {"CPE4", 4, 4}, {"CPE6", 6, 3},  {"CPE8", 8, 4},
+     {"M3D3", 3, 3}, {"M3D4", 4, 4},  {"M3D4R", 4, 4}, {"M3D6", 6, 3}, {"M3D8", 8, 4},  {"M3D8R", 8, 4}}};
+
+constexpr std::array<const char*, 6> abaqus_lines = {"T3D2", "T3D3", "B31", "B31R", "B32", "B32R"};
+
 /// Our place of sides S1, S2, ...
 constexpr std::array<int, 6> hexahedron_side = {hex20::zeta_min, hex20::zeta_max, hex20::eta_min,
                                                 hex20::xi_max,   hex20::eta_max,  hex20::xi_min};
@@ -74,6 +88,10 @@ class AbaqusReader {
   void read_keyword();
   void read_nodes();
   void read_elements();
+  void read_solid_elements(const AbaqusElement& kind, NamedSet* set);
+  void read_face_elements(const AbaqusFace& kind, NamedSet* set);
+  void skip_line_elements();
+  std::vector<std::int64_t> nodes_of_element(const char* type, std::size_t n_nodes, std::int64_t& label);
   void read_set(Sets& sets);
   void read_surface();
   void read_instance();
@@ -83,6 +101,7 @@ class AbaqusReader {
   void add_members(Sets& sets, NamedSet& set);
   void add_surfaces();
   void add_side(const SurfaceEntry& entry, std::int64_t element);
+  void add_faces_of_sets();
   void choose_regions();
   const MeshText& text() const { return lines_.text(); }
 
@@ -90,7 +109,9 @@ class AbaqusReader {
   LabelledMesh mesh_;
   Sets node_set_, element_set_;
   std::vector<SurfaceEntry> surface_entry_;
-  std::vector<std::int64_t> element_label_;
+  std::vector<std::int64_t> element_label_;                            // of solid elements
+  std::map<std::int64_t, std::vector<std::int64_t>> corners_of_face_;  // by the label of a surface element
+  std::set<std::int64_t> line_label_;                                  // of line elements
   int n_instances_ = 0;
   bool has_regions_ = false;  // an *ELEMENT names a set
   std::vector<std::string> skipped_;
@@ -135,34 +156,61 @@ void AbaqusReader::read_nodes() {
 
 void AbaqusReader::read_elements() {
   if (lines_.has("INPUT")) text().refuse("the elements stand in another file", "put the text of that file here");
-  const std::string type = lines_.required("TYPE");
-  const auto known = std::find_if(abaqus_elements.begin(), abaqus_elements.end(),
-                                  [&](const AbaqusElement& e) { return in_capitals(type) == e.type; });
-  if (known == abaqus_elements.end())
-    text().refuse("elements of type " + type.substr(0, 20) + " are not read",
-                  "use C3D20, C3D20R, C3D8, C3D8R, C3D8I or C3D10, and take elements of lines and surfaces out");
+  const std::string type = in_capitals(lines_.required("TYPE"));
+  const auto is_of_type = [&](const auto& kind) { return type == kind.type; };
+  const auto solid = std::find_if(abaqus_elements.begin(), abaqus_elements.end(), is_of_type);
+  const auto face = std::find_if(abaqus_faces.begin(), abaqus_faces.end(), is_of_type);
   const std::string name = lines_.value_of("ELSET");
   NamedSet* const set = name.empty() ? nullptr : &set_named(element_set_, name);
-  has_regions_ = has_regions_ || set != nullptr;
-  const auto n_nodes = static_cast<std::size_t>(topology(known->shape).n_nodes);
+  if (solid != abaqus_elements.end()) return read_solid_elements(*solid, set);
+  if (face != abaqus_faces.end()) return read_face_elements(*face, set);
+  if (std::find(abaqus_lines.begin(), abaqus_lines.end(), type) != abaqus_lines.end()) return skip_line_elements();
+  text().refuse("elements of type " + type.substr(0, 20) + " are not read",
+                "use C3D20, C3D20R, C3D8, C3D8R, C3D8I or C3D10");
+}
+
+/// The nodes of the element that begins in this line and may go on in the next ones.
+std::vector<std::int64_t> AbaqusReader::nodes_of_element(const char* type, std::size_t n_nodes, std::int64_t& label) {
+  const int line = text().line_number();
+  LineValues values(text(), ',');
+  label = values.integer("the number of an element");
   std::vector<std::int64_t> nodes;
+  while (true) {
+    while (!values.is_at_end()) nodes.push_back(values.integer("a node of the element"));
+    if (nodes.size() >= n_nodes || !lines_.next_data()) break;
+    values = LineValues(text(), ',');
+  }
+  if (nodes.size() != n_nodes)
+    text().refuse_line(line, "element " + std::to_string(label) + " has " + std::to_string(nodes.size()) + " nodes; " +
+                                 type + " has " + std::to_string(n_nodes));
+  return nodes;
+}
+
+void AbaqusReader::read_solid_elements(const AbaqusElement& kind, NamedSet* set) {
+  has_regions_ = has_regions_ || set != nullptr;
   while (lines_.next_data()) {
     const int line = text().line_number();
-    LineValues values(text(), ',');
-    const std::int64_t label = values.integer("the number of an element");
-    nodes.clear();
-    while (true) {
-      while (!values.is_at_end()) nodes.push_back(values.integer("a node of the element"));
-      if (nodes.size() >= n_nodes || !lines_.next_data()) break;
-      values = LineValues(text(), ',');
-    }
-    if (nodes.size() != n_nodes)
-      text().refuse_line(line, "element " + std::to_string(label) + " has " + std::to_string(nodes.size()) +
-                                   " nodes; " + known->type + " has " + std::to_string(n_nodes));
-    mesh_.add_element(label, known->shape, set == nullptr ? "" : set->name, nodes, line);
+    std::int64_t label = 0;
+    const auto nodes = nodes_of_element(kind.type, static_cast<std::size_t>(topology(kind.shape).n_nodes), label);
+    mesh_.add_element(label, kind.shape, set == nullptr ? "" : set->name, nodes, line);
     element_label_.push_back(label);
     if (set != nullptr) set->member.push_back({label, line});
   }
+}
+
+void AbaqusReader::read_face_elements(const AbaqusFace& kind, NamedSet* set) {
+  while (lines_.next_data()) {
+    const int line = text().line_number();
+    std::int64_t label = 0;
+    auto nodes = nodes_of_element(kind.type, kind.n_nodes, label);
+    nodes.resize(kind.n_corners);
+    corners_of_face_[label] = std::move(nodes);
+    if (set != nullptr) set->member.push_back({label, line});
+  }
+}
+
+void AbaqusReader::skip_line_elements() {
+  while (lines_.next_data()) line_label_.insert(LineValues(text(), ',').integer("the number of an element"));
 }
 
 void AbaqusReader::add_range(NamedSet& set) {
@@ -279,6 +327,20 @@ void AbaqusReader::add_surfaces() {
   }
 }
 
+/// The surface elements of a set are a surface of its name; its solid elements stay, and line elements say nothing.
+void AbaqusReader::add_faces_of_sets() {
+  for (auto& [key, set] : element_set_) {
+    std::vector<Member> solid;
+    for (const Member& member : set.member) {
+      if (const auto face = corners_of_face_.find(member.label); face != corners_of_face_.end())
+        mesh_.add_face(set.name, face->second, member.line);
+      else if (!line_label_.contains(member.label))
+        solid.push_back(member);
+    }
+    set.member = std::move(solid);
+  }
+}
+
 void AbaqusReader::choose_regions() {
   std::vector<const NamedSet*> candidates;
   const NamedSet* of_all = nullptr;
@@ -314,6 +376,7 @@ MeshReading AbaqusReader::read() {
   do read_keyword();
   while (lines_.next_keyword());
   add_surfaces();
+  add_faces_of_sets();
   choose_regions();
   for (const auto& [key, set] : node_set_)
     for (const Member& member : set.member) mesh_.add_to_node_set(set.name, member.label, member.line);

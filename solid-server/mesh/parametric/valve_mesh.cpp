@@ -1,6 +1,6 @@
 #include "solid-server/mesh/parametric/valve_mesh.hpp"
 
-#include <Eigen/Geometry>
+#include <cmath>
 #include <functional>
 #include <numbers>
 #include <string>
@@ -9,22 +9,21 @@
 #include "solid-server/mesh/parametric/leaflet_grid.hpp"
 #include "solid-server/mesh/parametric/merge_patches.hpp"
 #include "solid-server/mesh/parametric/structured_block.hpp"
+#include "solid-server/mesh/place_mesh.hpp"
 
 namespace couplet::solid {
 
 namespace {
 
-/// From the leaflet's own axes (radial, circumferential, downstream) to those of the scene.
-Eigen::Matrix3d leaflet_frame(const ValveShape& shape, int leaflet) {
-  const double angle = shape.rotation + 2 * std::numbers::pi / 3 * leaflet;
-  const auto axis = static_cast<Eigen::Index>(shape.axis);
-  const Eigen::Vector3d along = Eigen::Vector3d::Unit(axis), first = Eigen::Vector3d::Unit((axis + 1) % 3),
-                        second = Eigen::Vector3d::Unit((axis + 2) % 3);
-  Eigen::Matrix3d frame;
-  frame.col(0) = std::cos(angle) * first + std::sin(angle) * second;
-  frame.col(1) = -std::sin(angle) * first + std::cos(angle) * second;
-  frame.col(2) = along;
-  return frame;
+/// From the leaflet's own axes (radial, circumferential, downstream) to those of the valve: along x, leaflet 1 towards
+/// y.
+Eigen::Isometry3d leaflet_turn(int number) {
+  const double angle = 2 * std::numbers::pi / 3 * (number - 1), c = std::cos(angle), s = std::sin(angle);
+  Eigen::Isometry3d turn = Eigen::Isometry3d::Identity();
+  turn.linear().col(0) = Eigen::Vector3d(0, c, s);
+  turn.linear().col(1) = Eigen::Vector3d(0, -s, c);
+  turn.linear().col(2) = Eigen::Vector3d::UnitX();
+  return turn;
 }
 
 /// One of a leaflet's two patches in its own axes; the surfaces that are not inside the leaflet are named by the
@@ -87,16 +86,11 @@ Index nearest_node(const SolidMesh& mesh, const std::vector<Index>& nodes, const
 }
 
 /// The leaflet at its place, its names with its number and without.
-SolidMesh place_leaflet(const SolidMesh& leaflet, const ValveShape& shape, int number) {
-  const Eigen::Matrix3d frame = leaflet_frame(shape, number - 1);
+SolidMesh place_leaflet(const SolidMesh& leaflet, int number) {
   const std::string suffix = "_" + std::to_string(number);
   SolidMesh placed = leaflet;
-  placed.node_position = (leaflet.node_position * frame.transpose()).rowwise() + shape.base_centre.transpose();
-  for (ElementBlock& block : placed.block) {
-    block.region = "leaflet" + suffix;
-    for (MaterialAxes& axes : block.axes)
-      for (Eigen::Vector3d& axis : axes) axis = frame * axis;
-  }
+  place_mesh(leaflet_turn(number), placed);
+  for (ElementBlock& block : placed.block) block.region = "leaflet" + suffix;
   for (const auto& [name, faces] : leaflet.surface) placed.surface[name + suffix] = faces;
   for (const auto& [name, nodes] : leaflet.node_set) placed.node_set[name + suffix] = nodes;
   placed.marker.clear();
@@ -128,7 +122,7 @@ SolidMesh make_valve_mesh(const ValveShape& shape) {
     leaflet.marker[name] =
         nearest_node(leaflet, ventricular, surface.offset_position(0, v, -shape.thickness / 2, shape.thickness));
   std::vector<SolidMesh> leaflets;
-  for (const int number : {1, 2, 3}) leaflets.push_back(place_leaflet(leaflet, shape, number));
+  for (const int number : {1, 2, 3}) leaflets.push_back(place_leaflet(leaflet, number));
   return merge_patches(leaflets);
 }
 

@@ -8,27 +8,21 @@
 
 namespace couplet::solid {
 
-enum class Axis { x, y, z };
-
 struct ValveShape {
   LeafletShape leaflet;
-  double thickness = 0.3e-3;       // of the leaflets [m]
-  double commissure_gap = 0.1e-3;  // between the faces of neighbours where they meet the tube [m]
-  Axis axis = Axis::x;             // of the tube; the flow goes along it in the positive direction
-  Eigen::Vector3d base_centre =
-      Eigen::Vector3d::Zero();  // point of the axis beside the lowest point of the attachments [m]
-  double rotation = 0;          // of leaflet 1 about the axis; at 0 its middle stands towards y (axis x), z (axis
-                                // y), x (axis z) [rad]
+  double thickness = 0.3e-3;                    // of the leaflets [m]
+  double commissure_gap = 0.1e-3;               // between the faces of neighbours where they meet the tube [m]
   std::array<int, 3> n_elements = {20, 16, 1};  // of a leaflet: along the free edge, from its attachment to its free
                                                 // edge in the middle, through the thickness
   double contact_fraction = 0.3;  // share of the leaflet below its free edge that may touch the others, of its width
 };
 
-/// Leaflets 1, 2, 3 follow each other by 120 degrees about the axis (right-hand). Each has its thickness, along the
-/// normal, half to either side of the mid-surface of LeafletSurface, within a sector that is moved away from the axis
-/// just so far that the faces of neighbours keep commissure_gap where they meet the tube, and more elsewhere. The base
-/// stands on the tube: see LeafletSurface::offset_position. Elements: see LeafletGrid; the third lattice direction goes
-/// from the ventricular to the aortic side.
+/// The tube stands along x, its base, beside the lowest points of the attachments, at x = 0; the flow goes towards
+/// positive x. The middle of leaflet 1 stands towards y; leaflets 2 and 3 follow by 120 degrees about x (right-hand).
+/// Each has its thickness, along the normal, half to either side of the mid-surface of LeafletSurface, within a sector
+/// that is moved away from the axis just so far that the faces of neighbours keep commissure_gap where they meet the
+/// tube, and more elsewhere. The base stands on the tube: see LeafletSurface::offset_position. Elements: see
+/// LeafletGrid; the third lattice direction goes from the ventricular to the aortic side.
 ///
 /// Regions leaflet_1, leaflet_2, leaflet_3, with axes: circumferential (from commissure to commissure) and across it in
 /// the leaflet. Surfaces, for each leaflet with _1, _2, _3 and for all together without: ventricular (towards the axis

@@ -107,6 +107,16 @@ TEST(DerivedQuantity, FinalIsTheLastValueOfTheWindow) {
               2e-4);
 }
 
+TEST(DerivedQuantity, LargestAndSmallestNeedNoCycles) {
+  const Table table = history();
+  const auto& ramp = table.values[3];
+  EXPECT_EQ(derive("kind: LARGEST column: 'ramp'", table).value, ramp.back());
+  EXPECT_EQ(derive("kind: LARGEST column: 'ramp' window: 1 factor: -2 offset: 1", table).value, -2 * ramp.front() - 1);
+  EXPECT_EQ(derive("kind: SMALLEST column: 'ramp' window: 1", table).value, ramp.front());
+  // Half of the run is used where no window is named; samples are 15 us apart at most.
+  EXPECT_NEAR(derive("kind: SMALLEST column: 'ramp'", table).value, ramp.back() / 2, 5 * 15e-6);
+}
+
 TEST(DerivedQuantity, WindowMayEndBeforeTheRun) {
   const double last = 1e-3 * 20 / frequency;
   const auto found = derive("kind: MAXIMUM column: 'growing' window: 0.05 until: " + std::to_string(20 / frequency));

@@ -151,15 +151,15 @@ TYPED_TEST(AnyMaterial, VolumetricPartAndTheRestAddUp) {
   if constexpr (TypeParam::has_volumetric_part) {
     const TypeParam whole = this->material, rest = whole.without_volumetric_part();
     for (const Matrix& F : this->states) {
-      const double J = F.determinant(), p = whole.volumetric_pressure(J), round_off = 1e-13 * this->stiffness;
-      EXPECT_NEAR(whole.volumetric_energy(J + this->h) - whole.volumetric_energy(J - this->h), 2 * this->h * p,
-                  1e-12 * this->stiffness);
-      EXPECT_NEAR(whole.volumetric_pressure(J + this->h) - whole.volumetric_pressure(J - this->h),
-                  2 * this->h * whole.volumetric_stiffness(J), 1e-12 * this->stiffness);
+      const double J = F.determinant(), p = whole.volumetric_part().pressure(J), round_off = 1e-13 * this->stiffness;
+      EXPECT_NEAR(whole.volumetric_part().energy(J + this->h) - whole.volumetric_part().energy(J - this->h),
+                  2 * this->h * p, 1e-12 * this->stiffness);
+      EXPECT_NEAR(whole.volumetric_part().pressure(J + this->h) - whole.volumetric_part().pressure(J - this->h),
+                  2 * this->h * whole.volumetric_part().stiffness(J), 1e-12 * this->stiffness);
 
       const Matrix cof = J * F.inverse().transpose();
       const LocalAxes<double> axes = axes_of(this->directions);
-      EXPECT_NEAR(energy_of(rest, tensor(F), axes) + whole.volumetric_energy(J), this->energy(F), round_off);
+      EXPECT_NEAR(energy_of(rest, tensor(F), axes) + whole.volumetric_part().energy(J), this->energy(F), round_off);
       EXPECT_LE((matrix(stress_of(rest, tensor(F), axes)) + p * cof - this->stress(F)).cwiseAbs().maxCoeff(),
                 round_off);
       Tangent T = as_matrix(tangent_of(rest, tensor(F), axes));
@@ -167,12 +167,12 @@ TYPED_TEST(AnyMaterial, VolumetricPartAndTheRestAddUp) {
         for (int column = 0; column < 9; ++column) {
           const int i = row / 3, A = row % 3, k = column / 3, B = column % 3;
           // d cof_iA / dF_kB = (cof_iA cof_kB - cof_iB cof_kA) / J
-          T(row, column) += whole.volumetric_stiffness(J) * cof(i, A) * cof(k, B) +
+          T(row, column) += whole.volumetric_part().stiffness(J) * cof(i, A) * cof(k, B) +
                             p * (cof(i, A) * cof(k, B) - cof(i, B) * cof(k, A)) / J;
         }
       EXPECT_LE((T - this->tangent(F)).cwiseAbs().maxCoeff(), 1e-13 * this->tangent(F).cwiseAbs().maxCoeff());
     }
-    EXPECT_EQ(rest.volumetric_stiffness(1.0), 0);
+    EXPECT_EQ(rest.volumetric_part().stiffness(1.0), 0);
   }
 }
 

@@ -62,6 +62,38 @@ TEST(ReadAbaqus, ReadsEightNodesAndCoordinatesThatAreLeftOut) {
   EXPECT_EQ(mesh.block.front().line.at(2), 21);
 }
 
+TEST(ReadAbaqus, MakesSurfacesOfSurfaceElementsAsGmshWritesThem) {
+  const SolidMesh mesh = read_abaqus(std::string(three_cubes) + R"(*ELEMENT, type=T3D2, ELSET=Line1
+1, 1, 2
+*ELEMENT, type=CPS4, ELSET=Surface1
+2, 1, 2, 3, 4
+*ELEMENT, type=CPS4, ELSET=Surface2
+3, 13, 14, 15, 16
+*ELSET, ELSET=ends
+2, 3
+*ELSET, ELSET=all_of_it
+1, 2, 3, 10, 20, 30
+)",
+                                     "m.inp", 1)
+                             .mesh;
+  ASSERT_EQ(mesh.surface.size(), 4U);  // one for each set
+  for (const char* name : {"ends", "all_of_it"}) {
+    double x = 0;
+    ASSERT_EQ(mesh.find_surface(name, "").size(), 2U);
+    for (const ElementFace& face : mesh.find_surface(name, ""))
+      for (const Index node : mesh.nodes_of(face)) x += mesh.node_position(node, 0);
+    EXPECT_EQ(x, 12) << name;  // four corners at x = 0, four at x = 3
+  }
+  EXPECT_EQ(mesh.find_surface("Surface2", "").size(), 1U);
+  EXPECT_EQ(mesh.n_elements(), 3);
+  EXPECT_EQ(mesh.block.front().region, "everything");
+}
+
+TEST(ReadAbaqus, RefusesASurfaceElementThatIsNoFace) {
+  EXPECT_NE(refusal(std::string(three_cubes) + "*ELEMENT, type=S4, ELSET=skin\n2, 1, 2, 3, 9\n").find("m.inp:24"),
+            std::string::npos);
+}
+
 TEST(ReadAbaqus, TakesRegionsFromTheElementsUnlessSetsPartThem) {
   using Names = std::vector<std::string>;
   EXPECT_EQ(regions(""), (Names{"everything", "everything", "everything"}));
@@ -150,10 +182,8 @@ TEST(ReadAbaqus, RefusesWithLineValueAndRemedy) {
   EXPECT_EQ(refusal(""),
             "m.inp:1: this is not an input file of Abaqus or CalculiX: no line begins with a keyword such as "
             "*NODE; save the mesh as .inp");
-  EXPECT_EQ(refusal(replaced(good, "C3D8R", "S4R")),
-            "m.inp:18: elements of type S4R are not read; use C3D20, C3D20R, C3D8, C3D8R, C3D8I or C3D10, and take "
-            "elements of "
-            "lines and surfaces out");
+  EXPECT_EQ(refusal(replaced(good, "C3D8R", "C3D15")),
+            "m.inp:18: elements of type C3D15 are not read; use C3D20, C3D20R, C3D8, C3D8R, C3D8I or C3D10");
   EXPECT_EQ(refusal(replaced(good, "TYPE=C3D8R, ", "")), "m.inp:18: *ELEMENT has no TYPE; write *ELEMENT, TYPE=...");
   EXPECT_EQ(refusal(replaced(good, "12, 16, 15, 11", "12, 16, 15")), "m.inp:21: element 30 has 7 nodes; C3D8R has 8");
   EXPECT_EQ(refusal(replaced(good, "20, 5, 9, 10", "20, 5, 9, 99")),
