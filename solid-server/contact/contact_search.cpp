@@ -51,7 +51,21 @@ Motion motion_of(const ContactRegion& region, const ContactPositions& from, cons
   return motion;
 }
 
+/// Of all nodes, on their way between two sets of positions.
+Box swept_box(const ContactRegion& region, const ContactPositions& from, const ContactPositions& to) {
+  Box box{from[at(region.node.front())], from[at(region.node.front())]};
+  for (const Index n : region.node) box = around(around(box, {from[at(n)], from[at(n)]}), {to[at(n)], to[at(n)]});
+  return box;
+}
+
 }  // namespace
+
+double largest_approach(const ContactRegion& points, const ContactRegion& faces, const ContactPositions& from,
+                        const ContactPositions& to, double reach) {
+  if (distance(swept_box(points, from, to), swept_box(faces, from, to)) > reach) return 0;
+  const Motion of_points = motion_of(points, from, to), of_faces = motion_of(faces, from, to);
+  return length(of_points.mean - of_faces.mean) + of_points.deviation + of_faces.deviation;
+}
 
 ContactSearch::ContactSearch(const ContactRegion& faces, const ContactPositions& rest, const SearchReach& reach)
     : reach_(reach), rest_(rest), order_(faces.face.size()), box_(faces.face.size()) {

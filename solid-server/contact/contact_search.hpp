@@ -12,6 +12,11 @@ struct SearchReach {
                                   // neighbour and never listed [m]
 };
 
+/// By how much points may come nearer to faces on the straight way from one set of positions to another, judged by the
+/// motion of nodes [m]; 0 when they stay further apart than `reach`. A motion that both have in common does not count.
+double largest_approach(const ContactRegion& points, const ContactRegion& faces, const ContactPositions& from,
+                        const ContactPositions& to, double reach);
+
 /// A list of (point, face) that is kept until points and faces may have come closer by the skin than they were when it
 /// was made (Verlet 1967); while the boxes of the two regions are apart, until they may have met. A motion that both
 /// regions have in common does not count. Listed are all pairs within reach, so that what is computed from the closest

@@ -83,7 +83,7 @@ SurfaceContact::SurfaceContact(const SolidMesh& mesh, std::vector<ContactPair> p
     const std::size_t first = region_of(mesh, pair.first, where + "first");
     const std::size_t second = region_of(mesh, pair.other(), where + "second");
     add_side(first, second, pair);
-    if (pair.is_symmetric && first != second) add_side(second, first, pair);
+    if (first != second) add_side(second, first, pair);
   }
   factor_.assign(node_.size(), 1);
   cancelled_area_.assign(node_.size(), 0);
@@ -115,11 +115,9 @@ void SurfaceContact::add_side(std::size_t points, std::size_t faces, const Conta
   reach.reach = std::max(pair.distance, pair.largest_depth);
   reach.skin = skin_per_face_size * std::sqrt(area / static_cast<double>(other.face.size()));
   if (points == faces) reach.neighbour_distance = 2 * pair.distance;
-  // In self-contact both parts of the surface are points and faces in turn already.
-  const bool is_half = pair.is_symmetric || points == faces;
   Side side{points,
             faces,
-            is_half ? pair.stiffness / 2 : pair.stiffness,
+            pair.stiffness / 2,  // each surface is points and faces in turn
             pair.distance,
             pair.largest_depth,
             pair.cancels_interface_load,
@@ -196,8 +194,18 @@ void SurfaceContact::find_boxes(std::size_t region) {
   for (std::size_t f = 0; f < box_[region].size(); ++f) box_[region][f] = region_[region].face[f].curved(x_).box();
 }
 
+ContactPositions SurfaceContact::positions_at(const double* displacement) const {
+  ContactPositions x(node_.size());
+  for (std::size_t n = 0; n < node_.size(); ++n) x[n] = rest_[n] + load_quad(displacement + width * node_[n]);
+  return x;
+}
+
 void SurfaceContact::search(const double* displacement) {
-  for (std::size_t n = 0; n < node_.size(); ++n) x_[n] = rest_[n] + load_quad(displacement + width * node_[n]);
+  x_ = positions_at(displacement);
+  search_here();
+}
+
+void SurfaceContact::search_here() {
   is_active_ = false;
   std::vector<char> is_near(region_.size(), 0);
   for (Side& side : sides_) {
@@ -271,6 +279,12 @@ void SurfaceContact::find_all(const double* displacement) {
   find_gaps(0, 1);
 }
 
+bool SurfaceContact::is_touching() const {
+  const auto touches = [](const Touch& touch) { return touch.gap > 0; };
+  return std::any_of(sides_.begin(), sides_.end(),
+                     [&](const Side& side) { return std::any_of(side.touch.begin(), side.touch.end(), touches); });
+}
+
 SurfaceContact::Total SurfaceContact::total(const double* displacement) {
   find_all(displacement);
   Total total;
@@ -310,30 +324,6 @@ std::vector<SurfaceContact::StiffnessTerm> SurfaceContact::stiffness(const doubl
     terms.push_back(term);
   });
   return terms;
-}
-
-std::vector<std::pair<Index, Index>> SurfaceContact::coupled_nodes(const double* displacement) {
-  search(displacement);
-  std::vector<std::pair<Index, Index>> face_pairs, pairs;
-  for (const Side& side : sides_) {
-    face_pairs.clear();
-    for (std::size_t n = 0; n < side.touch.size(); ++n)
-      for (const Index f : side.search.faces_near(n))
-        face_pairs.emplace_back(region_[side.points].point[at(side.search.active_point()[n])].face, f);
-    std::sort(face_pairs.begin(), face_pairs.end());
-    face_pairs.erase(std::unique(face_pairs.begin(), face_pairs.end()), face_pairs.end());
-    for (const auto& [own, other] : face_pairs) {
-      std::vector<Index> nodes;
-      for (const ContactFace* face : {&region_[side.points].face[at(own)], &region_[side.faces].face[at(other)]})
-        for (std::size_t a = 0; a < at(n_nodes_of(face->shape)); ++a) nodes.push_back(node_[at(face->node[a])]);
-      for (const Index a : nodes)
-        for (const Index b : nodes)
-          if (a < b) pairs.emplace_back(a, b);
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  return pairs;
 }
 
 /// With u the motion of points and w that of faces, (N.u - N.w)^2 <= 2 (N.u)^2 + 2 (N.w)^2: each surface counts alone,

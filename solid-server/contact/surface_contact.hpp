@@ -7,7 +7,7 @@
 
 namespace couplet::solid {
 
-/// Two named surfaces that keep apart.
+/// Two named surfaces that keep apart: points of each against faces of the other, each with half the stiffness.
 struct ContactPair {
   std::string first, second;  // second empty: the first with itself
   double stiffness = 0;       // k: pressure per depth inside the contact distance [Pa/m]
@@ -15,8 +15,6 @@ struct ContactPair {
   double largest_depth = 0;  // a point deeper behind a face than this has nothing to do with it: below the thickness of
                              // a thin sheet [m]
   bool cancels_interface_load = true;
-  bool is_symmetric = true;  // points of both surfaces against faces of the other, each with half the stiffness;
-                             // otherwise points of the first against faces of the second
 
   const std::string& other() const { return second.empty() ? first : second; }
 };
@@ -67,7 +65,7 @@ class SurfaceContact {
   void write(int member, int n_members, double* force);
 
   /// 1: no contact; 0: the interface load on this contact node is cancelled. It is the mean of the points around the
-  /// node, weighted by |N_a| A_q. In a pair that is not symmetric only nodes of the first surface.
+  /// node, weighted by |N_a| A_q.
   double interface_load_factor(Index contact_node) const { return factor_[static_cast<std::size_t>(contact_node)]; }
 
   struct Total {
@@ -79,6 +77,13 @@ class SurfaceContact {
   Total total(const double* displacement);
   /// All forces, by one thread: added to `force`, a NodeVectors array of the mesh [N]. Returns the energy [J].
   double add(const double* displacement, double* force);
+
+  /// Whether a point that find_gaps looked at last touches.
+  bool is_touching() const;
+  /// Whether a point comes deeper into contact, on the straight way between two displacements [m], by more than an
+  /// eighth of the depth over which its pair pushes, d0 + largest_depth. A step in which none does has felt all that it
+  /// met: no point has come from the front of a sheet to its back, or to where it is let go.
+  bool deepens_too_fast(const double* from, const double* to);
 
   /// One touching point; Newton's method should search along its line, since the direction of a force jumps where a
   /// point crosses an edge between two faces. Its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction
@@ -92,9 +97,6 @@ class SurfaceContact {
     double stiffness;
   };
   std::vector<StiffnessTerm> stiffness(const double* displacement);
-  /// Pairs (a < b) of nodes of the mesh that may be coupled by contact as long as n_searches() stays the same, each
-  /// once.
-  std::vector<std::pair<Index, Index>> coupled_nodes(const double* displacement);
 
   /// For each node of a mesh of n_nodes a number b_a [N/m] such that u.K u <= sum of b_a |u_a|^2 for the stiffness K of
   /// contact, if the whole surfaces touched: b_a / m_a bounds what contact adds to omega_max^2.
@@ -127,6 +129,8 @@ class SurfaceContact {
   Touch touch_of(const Side& side, const NodeQuad& x, std::span<const Index> faces) const;
   void find_boxes(std::size_t region);
   void find_all(const double* displacement);
+  ContactPositions positions_at(const double* displacement) const;
+  void search_here();  // at x_
   template <class Visit>
   void for_each_touch(const Visit& visit) const;
   template <class Visit>

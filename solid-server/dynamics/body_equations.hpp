@@ -45,6 +45,16 @@ class BodyEquations {
   /// |external forces on free components| at a displacement [N].
   double external_size(const NodeVectors& displacement, const Moment& moment);
 
+  /// Whether something touches at a displacement; whether it touched where forces() was last.
+  bool touches_at(const NodeVectors& displacement) {
+    return force_.external().contact_total(displacement.data()).force > 0;
+  }
+  bool is_touching() const { return force_.external().is_touching(); }
+  /// Whether surfaces come deeper into contact on the way than they can be followed; see SurfaceContact.
+  bool contact_deepens_too_fast(const NodeVectors& from, const NodeVectors& to) {
+    return force_.external().surface_contact().deepens_too_fast(from.data(), to.data());
+  }
+
   /// Keeps the free components, or the others.
   NodeVectors free_part(const NodeVectors& vector) const { return vector.cwiseProduct(is_free_); }
   NodeVectors held_part(const NodeVectors& vector) const { return vector - free_part(vector); }

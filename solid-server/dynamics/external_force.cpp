@@ -148,6 +148,13 @@ ExternalForce::ContactTotal ExternalForce::contact_total(const double* displacem
   return {sum.energy + total.energy, sum.force + total.force, total.smallest_distance};
 }
 
+bool ExternalForce::is_touching() const {
+  return surface_contact_.is_touching() ||
+         std::any_of(was_touching_.begin(), was_touching_.end(), [](const auto& packs) {
+           return std::any_of(packs.begin(), packs.end(), [](char touches) { return touches != 0; });
+         });
+}
+
 Eigen::VectorXd ExternalForce::contact_stiffness_bound() const {
   Eigen::VectorXd bound = surface_contact_.stiffness_bound(n_nodes_);
   for (const PlaneContact& plane : planes_) bound += plane.stiffness_bound(n_nodes_);

@@ -52,6 +52,7 @@ class ExternalForce {
     std::optional<double> smallest_distance;  // as in SurfaceContact::Total [m]; absent without contact of surfaces
   };
   ContactTotal contact_total(const double* displacement);
+  bool is_touching() const;  // where write() was last
   /// For each node, what contact adds to omega_max^2 times its mass at most [N/m].
   Eigen::VectorXd contact_stiffness_bound() const;
   /// - d force / du of pressures and contact, for each pair of nodes.

@@ -22,8 +22,9 @@ struct ImplicitControl {
 /// tolerance of the iteration, and the energy bounded. c is damping by mass, b by stiffness. M is the consistent mass.
 ///
 /// The accelerations at the start, and after a kick of a body with damping by stiffness, solve the equation of motion.
-/// A step whose iteration fails is halved, at most six times; after two successes the steps grow again. Newton's method
-/// begins with the extrapolated motion.
+/// A step whose iteration fails, or in which surfaces come deeper into contact than they can be followed, is halved, at
+/// most ten times; after two successes the steps grow again. Newton's method begins with the extrapolated motion; while
+/// something touches it searches along every line, since contact is a potential whose slope has kinks.
 ///
 /// Factors are kept over iterations and steps, and renewed at the start of a step when the last step took more
 /// iterations than a step costs on average, the factors included. New ones belong to the extrapolated motion, which the
@@ -51,7 +52,7 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
   bool has_factors() const override { return body_->origin() != nullptr; }
   NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve(rhs); }
   int n_negative_pivots() const override { return body_->n_negative_pivots(); }
-  bool takes_full_steps() const override { return true; }
+  bool takes_full_steps() const override { return !body_->is_touching(); }
   double factorisation_cost() const override { return body_->factorisation_cost(); }
   double length() const override { return body_->length(); }
 

@@ -147,6 +147,10 @@ bool StaticSolution::load_step(double factor_start, double factor_end, NodeVecto
     why_not = "the equilibrium that is found lies more than three times as far away as the tangent says";
     return false;
   }
+  if (body_->contact_deepens_too_fast(u, end)) {
+    why_not = "surfaces in contact come closer than they can be followed";
+    return false;
+  }
   // The factors with which the next step begins, and what they tell of this one.
   if (factorise(end, NodeVectors(0, 4)) >= 0) return false;
   ++work.n_factorisations;

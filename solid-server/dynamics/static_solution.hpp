@@ -15,10 +15,11 @@ struct StaticControl {
 /// A step of the load is a step of time: pressures, prescribed motions and other tables are taken at its end, the
 /// interface force likewise (a body at rest begins without one). The prediction follows the tangent at the start; kept
 /// factors serve all iterations that they are good enough for. A load step whose iteration fails, or ends on another
-/// branch (an equilibrium that is less stable than the one before, or much further away than the tangent says), is
-/// halved, at most four times, and grows again after two successes. When that is not enough the load has a limit there,
-/// or the path turns: it is followed by arc length through the limit points to the next equilibrium at the wanted load
-/// (a snap-through in dynamics), as long as the control allows it.
+/// branch (an equilibrium that is less stable than the one before, or much further away than the tangent says), or in
+/// which surfaces come deeper into contact than they can be followed, is halved, at most four times, and grows again
+/// after two successes. When that is not enough the load has a limit there, or the path turns: it is followed by arc
+/// length through the limit points to the next equilibrium at the wanted load (a snap-through in dynamics), as long as
+/// the control allows it.
 ///
 /// Velocity and acceleration are zero. After each step the tangent at the equilibrium tells its stability
 /// (StepWork::n_negative_pivots).

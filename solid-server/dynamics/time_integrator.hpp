@@ -18,6 +18,7 @@ struct StepWork {
   long n_iterations = 0;            // of Newton's method
   long n_factorisations = 0;        // of a tangent
   double residual = 0;              // forces out of balance over their size, the worst accepted one; 0: explicit
+  bool is_cut_for_contact = false;  // substeps were, so that surfaces do not pass each other
   int n_negative_pivots = 0;        // of the tangent at the end of a static step: 0 is stable
   std::vector<double> limit_loads;  // times at which a static load turned
 
@@ -26,6 +27,7 @@ struct StepWork {
     n_iterations += step.n_iterations;
     n_factorisations += step.n_factorisations;
     residual = std::max(residual, step.residual);
+    is_cut_for_contact |= step.is_cut_for_contact;
     n_negative_pivots = step.n_negative_pivots;
     limit_loads.insert(limit_loads.end(), step.limit_loads.begin(), step.limit_loads.end());
   }

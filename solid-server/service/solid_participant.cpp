@@ -120,6 +120,7 @@ participant::StepSolved SolidParticipant::solve_step(const participant::StepInte
   const StepWork& work = model_->work_of_last_step();
   solved.inner_iterations = static_cast<int>(is_explicit() ? work.n_substeps : work.n_iterations);
   solved.residual = work.residual;
+  if (work.is_cut_for_contact) warn_of_cut(interval.duration);
   solved.seconds = watch.seconds();
   return solved;
 }
@@ -148,6 +149,15 @@ void SolidParticipant::warn_of_contact_at_rest() const {
   if (force > 0)
     std::cerr << "solid-server: warning: t = 0 s: a body stands beyond a rigid plane at rest and is pushed back with "
               << report::text(force) << " N; move the plane, or the body\n";
+}
+
+void SolidParticipant::warn_of_cut(double duration) {
+  if (has_warned_of_cut_) return;
+  has_warned_of_cut_ = true;
+  std::cerr << "solid-server: t = " << report::text(model_->accepted().motion.time)
+            << " s: surfaces meet too fast for implicit steps of " << report::text(duration)
+            << " s; such steps are cut, so that surfaces do not pass each other: solid.substeps in history.csv tells "
+               "into how many. CENTRAL_DIFFERENCE may cost less\n";
 }
 
 /// How many elements have lost stiffness; the first time that one has, it is named.

@@ -30,6 +30,7 @@ class SolidParticipant : public participant::Participant {
  private:
   bool is_explicit() const;
   void warn_of_contact_at_rest() const;
+  void warn_of_cut(double duration);
   participant::NamedNumber softened_elements();
   void add_implicit_numbers(std::vector<participant::NamedNumber>& numbers) const;
   surface::FieldSet fields_at_surface(const Motion& motion) const;
@@ -41,7 +42,7 @@ class SolidParticipant : public participant::Participant {
   std::unique_ptr<ResultOutput> results_;
   OfferedSurface offered_;
   std::vector<Orifice> orifices_;
-  bool needs_force_ = false, has_warned_of_softening_ = false;
+  bool needs_force_ = false, has_warned_of_softening_ = false, has_warned_of_cut_ = false;
   double seconds_ = 0;  // of computation
 };
 

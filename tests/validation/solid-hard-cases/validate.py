@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Hard cases of the solid that must hold: nearly incompressible bending, thin leaflets, a pressed fold, long steps, restart, inverted elements (about 6 minutes; --quick 2)."""
+"""Hard cases of the solid that must hold: nearly incompressible bending, thin leaflets, a pressed fold, long steps, restart, inverted elements (estimated: half an hour; --quick 10 minutes)."""
 
 import subprocess
 import sys
@@ -11,7 +11,7 @@ import numpy
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 import stored_runs as runs  # noqa: E402
-from solid_scene import STATIC, body, box, constant, neo_hookean, probe, ramp, saint_venant_kirchhoff, scene, solve  # noqa: E402
+from solid_scene import STATIC, around, body, box, constant, neo_hookean, probe, ramp, saint_venant_kirchhoff, scene, solve  # noqa: E402
 
 
 def energies(history):
@@ -41,10 +41,10 @@ VALVE = """  body {{
     valve {{ thickness: {thickness!r}  elements_u: {n}  elements_v: {m} }}
     material {{ {material} }}
     fixed: "base"
-    mass_damping: 100
+    mass_damping: 6667
   }}
-  pressure {{ surface: "ventricular"  value {{ row {{ time: 0  value: 0 }} row {{ time: 0.008  value: {opening} }} row {{ time: 0.025  value: {opening} }}
-    row {{ time: 0.035  value: {closing} }} row {{ time: 1  value: {closing} }} interpolation: COSINE }} }}
+  pressure {{ surface: "ventricular"  value {{ row {{ time: 0  value: 0 }} row {{ time: 0.01  value: {opening} }} row {{ time: 0.04  value: {opening} }}
+    row {{ time: 0.06  value: {closing} }} row {{ time: 1  value: {closing} }} interpolation: COSINE }} }}
   contact {{ first: "contact_1"  second: "contact_2"  distance: 1e-4 }}
   contact {{ first: "contact_2"  second: "contact_3"  distance: 1e-4 }}
   contact {{ first: "contact_3"  second: "contact_1"  distance: 1e-4 }}
@@ -53,20 +53,22 @@ VALVE = """  body {{
 
 
 def leaflet_rows(options):
-    """Pressures of the structure-only valve in proportion to the thickness, 0.05 mm of 0.3 mm: the same membrane stress."""
+    """Pressures of the structure-only valve in proportion to the thickness, 0.05 mm of 0.3 mm, and its damping: the same motion as a membrane."""
     thickness = 0.05e-3
-    for method in ("GENERALIZED_ALPHA", "CENTRAL_DIFFERENCE"):
-        if options.quick and method == "CENTRAL_DIFFERENCE":
+    for method in ("CENTRAL_DIFFERENCE", "GENERALIZED_ALPHA"):
+        # Leaflets that meet at 2 m/s, with a contact 0.125 mm deep, cut implicit steps to 8 us: thousands of them.
+        if options.quick and method == "GENERALIZED_ALPHA":
             continue
-        n, m = (12, 10) if options.quick else (20, 16)
+        n, m = 12, 10
         name = f"thin_leaflets-{n}x{m}-{method.lower()}"
         solid = VALVE.format(thickness=thickness, n=n, m=m, material=saint_venant_kirchhoff(1.5e6, 0.4), opening=533 / 6, closing=-12670 / 6)
-        history, folder = solve(options, name, scene(name, 0.05, 2.5e-4, solid, f"method: {method}", "  results_interval: 5e-3\n"))
+        history, folder = solve(options, name, scene(name, 0.07, 1e-3, solid, f"method: {method}", "  results_interval: 5e-3\n"))
         area = history["orifice_area"]
         open_area = numpy.pi * 0.0105**2
         varied = {"mesh": f"{n}x{m}", "method": method, "substeps": history["solid.substeps"].sum()}
         yield runs.row(name, "largest_open_share", area.max() / open_area, None, "opens", folder, (0.5, 1), **varied)
         yield runs.row(name, "open_share_at_the_end", area[-1] / open_area, 0, "closed but for the contact distance", folder, (0, 0.05), **varied)
+        yield runs.row(name, "smallest_distance", history["solid.contact_distance"].min(), None, "m, of leaflets: not inside each other", folder, (0, 1e-4), **varied)
         yield runs.row(name, "largest_energy", energies(history).max(), None, "J, bounded", folder, **varied)
 
 
@@ -81,29 +83,37 @@ FOLD = """  body {{
     mass_damping: {damping}
   }}
   rigid_plane {{ y: 0.0101  stiffness: 1e8 }}
-  pressure {{ surface: "inferior"  {pressure} }}
-  pressure {{ surface: "medial"  {pressure} }}
+  traction {{ surface: "medial"  value {{ direction {{ y: 1 }}  {load} }} }}
 """
-PLANE = 0.0101
+# A pressure from below pushes the fold open; what presses it flat is a load towards the plane: five times 1 kPa.
+PLANE, PENALTY, PRESSING = 0.0101, 1e8, 5000.0
 
 
-def deepest(folder, name):
-    """How far nodes are beyond the plane in the last stored state [m]."""
-    with h5py.File(folder / "results" / f"{name}.h5") as file:
+def medial_depths(folder):
+    """How far the nodes of the medial surface that are free to move are beyond the plane in the last stored state [m]."""
+    with h5py.File(folder / "results" / "fold.h5") as file:
         last = int(file["n_states"][0]) - 1
-        return (file["mesh/position"][:, 1] + file[f"state/{last}/displacement"][:, 1]).max() - PLANE
+        rest = file["mesh/position"][:]
+        y = rest[:, 1] + file[f"state/{last}/displacement"][:, 1]
+    is_medial = (rest[:, 1] > rest[:, 1].max() - 1e-6) & (rest[:, 2] > 1e-6)  # the anterior end is fixed
+    return y[is_medial] - PLANE
 
 
 def fold_rows(options):
-    """Five times the normal pressure on the inferior face presses the fold onto the plane of its smallest gap."""
-    for method, end, step in (("STATIC", 1.0, 0.05), ("GENERALIZED_ALPHA", 0.05, 5e-4), ("CENTRAL_DIFFERENCE", 0.05, 5e-4)):
+    """A fold pressed flat onto the plane of its smallest gap: all of its medial surface touches."""
+    forces = {}
+    for method, end, step in (("CENTRAL_DIFFERENCE", 0.05, 5e-4), ("GENERALIZED_ALPHA", 0.05, 5e-4), ("STATIC", 1.0, 0.05)):
         name = f"pressed_fold-{method.lower()}"
-        text = scene(name, end, step, FOLD.format(damping=300, pressure=ramp(5000.0, 0.4 * end)), f"method: {method}", f"  results_interval: {end}\n")
+        text = scene(name, end, step, FOLD.format(damping=300, load=ramp(PRESSING, 0.4 * end)), f"method: {method}", f"  results_interval: {end}\n")
         history, folder = solve(options, name, text)
+        depths = medial_depths(folder)
+        forces[method] = history["solid.contact_force"][-1]
         varied = {"method": method, "substeps": history["solid.substeps"].sum()}
-        yield runs.row(name, "contact_force", history["solid.contact_force"][-1], None, "N, pressed", folder, (1e-4, 1), **varied)
-        # 5 kPa on a penalty of 1e8 Pa/m gives way by 5e-5 m; twice that where the pressure is concentrated.
-        yield runs.row(name, "depth_beyond_plane", deepest(folder, "fold"), 5e-5, "pressure over penalty", folder, (0, 1.5e-4), **varied)
+        yield runs.row(name, "share_pressed_flat", (depths > 0).mean(), 1, "nodes of the medial surface", folder, (1, 1), **varied)
+        # Tissue beside the surface carries some of the load at its borders: mean and largest depth differ.
+        yield runs.row(name, "largest_depth", depths.max(), PRESSING / PENALTY, "load over penalty", folder, (0.5 * PRESSING / PENALTY, 1.5 * PRESSING / PENALTY), **varied)
+        # The same equilibrium by three methods; what is left of the motion after 30 ms of damping is 1e-4 of it.
+        yield runs.row(name, "contact_force", forces[method], forces["CENTRAL_DIFFERENCE"], "N, explicit", folder, around(forces["CENTRAL_DIFFERENCE"], 1e-3), **varied)
 
 
 def long_step_rows(options):
@@ -132,7 +142,7 @@ def restart_rows(options):
     """A fold stopped and resumed while it is pressed on the plane: the same bits as without."""
     for method in ("CENTRAL_DIFFERENCE", "GENERALIZED_ALPHA", "STATIC"):
         name = f"restart-{method.lower()}"
-        text = scene(name, 0.02, 5e-4, FOLD.format(damping=300, pressure=ramp(5000.0, 0.008)), f"method: {method}",
+        text = scene(name, 0.02, 5e-4, FOLD.format(damping=300, load=ramp(PRESSING, 0.008)), f"method: {method}",
                      probe("middle", (0.012, 0.01, 0.01)) + "  checkpoints { every_steps: 20 }\n")
         history, folder = solve(options, name, text)
         half = folder.with_name(name + "-half")
@@ -179,7 +189,7 @@ CASES = {"bending": bending_rows, "thin_leaflets": leaflet_rows, "pressed_fold":
 
 def main():
     parser = runs.arguments(__doc__, "solid-hard-cases")
-    parser.add_argument("--quick", action="store_true", help="coarse leaflets, implicit only")
+    parser.add_argument("--quick", action="store_true", help="leaflets explicit only")
     options = parser.parse_args()
     return runs.report_cases({name: (lambda case=case: case(options)) for name, case in CASES.items() if not options.only or name in options.only},
                              options.json)
