@@ -44,7 +44,7 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   void evaluate(const NodeVectors& u, Residual& residual) override;
   Index factorise(const NodeVectors& u, const NodeVectors& increment) override;
   bool has_factors() const override { return body_->origin() != nullptr; }
-  NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve(rhs); }
+  NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve_unsymmetric(rhs); }
   int n_negative_pivots() const override { return body_->n_negative_pivots(); }
   bool takes_full_steps() const override { return true; }
   double factorisation_cost() const override { return body_->factorisation_cost(); }

@@ -178,6 +178,45 @@ TEST(ThickWall, IsInflatedInFewIterationsAtABulkModulusOf5000ShearModuli) {
   }
 }
 
+TEST(CantileverUnderEndMoment, RollsUpUnderFollowerPressuresWithFreeRims) {
+  // A pair of follower pressures on the halves of the end face, M = q (h/2) b (h/2); 2 pi EI / L closes the circle. The
+  // pressed halves end at free rims: the tangent is unsymmetric, without which the first tenth of the moment fails.
+  SolidSetup setup = Cantilever::setup({16, 2, 2}, 8);
+  setup.tractions.clear();
+  for (const ElementFace& face : setup.mesh.find_surface("x_max", "test")) {
+    double height = 0;
+    const FaceNodes nodes = setup.mesh.nodes_of(face);
+    for (const Index node : nodes) height += setup.mesh.node_position(node, 2) / static_cast<double>(nodes.size());
+    setup.mesh.surface[height > 0.05 ? "upper" : "lower"].push_back(face);
+  }
+  const double whole_moment = 2 * std::numbers::pi * 1.2e6 * std::pow(0.1, 3) / 12 / 10, arm = 0.05;
+  const double pressure = whole_moment / (arm * arm);
+  setup.pressures = {{"upper", [=](double t) { return pressure * t; }},
+                     {"lower", [=](double t) { return -pressure * t; }}};
+  SolidModel model(setup);
+  const auto tip = [&] {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int n_nodes = 0;
+    for (const Index node : model.mesh().find_nodes("x_max", "test"))
+      sum += model.accepted().motion.displacement.row(node).head<3>(), ++n_nodes;
+    return Eigen::Vector3d(sum / n_nodes);
+  };
+  advance(model, 0.125);
+  const Eigen::Vector3d eighth = tip();
+  for (int n = 1; n < 8; ++n) advance(model, 0.125);
+  const Eigen::Vector3d whole = tip();
+  std::printf("end moment: an eighth %.4f %.4f, whole %.4f %.4f, %ld iterations\n", eighth.x(), eighth.z(), whole.x(),
+              whole.z(), model.total_work().n_iterations);
+  // The pair is not quite a moment: where it warps the end, its forces of 1250 N turn by unlike angles, and a
+  // thousandth of that, ten metres away, is a third of the moment of a quarter circle. Second order in the moment: 0.3
+  // % at an eighth.
+  const double angle = std::numbers::pi / 4;
+  EXPECT_NEAR(eighth.x(), 10 * (std::sin(angle) / angle - 1), 0.01 * 10);
+  EXPECT_NEAR(std::abs(eighth.z()), 10 * (1 - std::cos(angle)) / angle, 0.01 * 10);
+  EXPECT_LE((whole - Eigen::Vector3d(-10, 0, 0)).norm(), 0.1 * 10);
+  EXPECT_LE(model.total_work().n_iterations, 90);  // 64
+}
+
 /// A shallow arch w = rise sin(pi x / L), pinned at the middle of both ends, under a vertical load q sin(pi x / L) per
 /// length, as a strip of solid elements, E = 1 MPa, nu = 0, L = 1 m, h = 2.5 mm, as wide as high.
 struct Arch {
