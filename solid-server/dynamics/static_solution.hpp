@@ -18,7 +18,8 @@ struct StaticControl {
 /// branch (an equilibrium that is less stable than the one before, or much further away than the tangent says), is
 /// halved, at most four times, and grows again after two successes. When that is not enough the load has a limit there,
 /// or the path turns: it is followed by arc length through the limit points to the next equilibrium at the wanted load
-/// (a snap-through in dynamics), as long as the control allows it.
+/// (a snap-through in dynamics), as long as the control allows it. Outside the step the loads of the path are straight
+/// lines through its start and end.
 ///
 /// Velocity and acceleration are zero. After each step the tangent at the equilibrium tells its stability
 /// (StepWork::n_negative_pivots).
@@ -51,6 +52,13 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   double length() const override { return body_->length(); }
   void set_load(double factor, NodeVectors& u) override;
   NodeVectors load_rate(const NodeVectors& u) override;
+
+  // Inside the step loads and prescribed motions are those of the time; a path that leaves it, for loads that are below
+  // those of its start (an arch that snaps through has to be held back) or above those of its end, finds them
+  // continued as straight lines through start and end.
+  static bool is_in_step(double factor) { return factor >= 0 && factor <= 1; }
+  void hold(double factor, NodeVectors& u);
+  Index forces(const NodeVectors& u, double factor, NodeVectors& force);
 
   void begin(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to);
   bool load_step(double factor_start, double factor_end, NodeVectors& u, StepWork& work, std::string& why_not);

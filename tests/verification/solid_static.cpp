@@ -279,10 +279,11 @@ struct Arch {
 };
 
 TEST(ShallowArch, SnapsThroughAtItsLimitLoad) {
-  // Closed form of the sinusoidal shallow arch: q / q_0 = 2.0379 for lambda_1 = 1.5, 4 for 2. Pins on a line of nodes
+  // Closed form of the sinusoidal shallow arch: q / q_0 = 2.0379 for lambda_1 = 1.5, 4 for 2, 11.7093 for 3, whose path
+  // then leads through a load of -5.7093. Pins on a line of nodes
   // give way by some h, which a bar without section does not: -0.3 % here, -1.1 % at four times the thickness. The
   // parabola through three points of the path is good to as much.
-  for (const auto& [lambda_1, limit] : {std::pair{1.5, 2.0379}, std::pair{2.0, 4.0}}) {
+  for (const auto& [lambda_1, limit] : {std::pair{1.5, 2.0379}, std::pair{2.0, 4.0}, std::pair{3.0, 11.7093}}) {
     Arch arch(lambda_1);
     const double load = 1.5 * limit;
     arch.model.solve_step(1, load * arch.unit_load());
@@ -291,7 +292,8 @@ TEST(ShallowArch, SnapsThroughAtItsLimitLoad) {
     ASSERT_GE(work.limit_loads.size(), 1u);
     std::printf("arch, lambda_1 = %.1f: limit %.4f q_0 (%.4f), %ld arcs, %ld iterations\n", lambda_1,
                 work.limit_loads[0] * load, limit, work.n_substeps, work.n_iterations);
-    EXPECT_NEAR(work.limit_loads[0] * load, limit, 0.006 * limit);
+    // The first arcs are those of a sixteenth of the step, whose load for 3 is as large as a tenth of the limit.
+    EXPECT_NEAR(work.limit_loads[0] * load, limit, (lambda_1 < 3 ? 0.006 : 0.02) * limit);
     EXPECT_EQ(work.n_negative_pivots, 0);
     EXPECT_LT(arch.model.accepted().motion.displacement.col(2).minCoeff(), -1.5 * arch.rise);  // it hangs now
   }
