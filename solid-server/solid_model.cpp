@@ -8,6 +8,7 @@
 #include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/dynamics/central_difference.hpp"
 #include "solid-server/element/mass.hpp"
+#include "solid-server/support/rigid_motion.hpp"
 
 namespace couplet::solid {
 
@@ -120,6 +121,8 @@ struct SolidModel::Parts {
       central_difference = made.get();
       return made;
     }
+    if (setup.method == TimeMethod::static_equilibrium && setup.planes.empty() && setup.contacts.empty())
+      check_rigid_motion(setup.mesh, free_components(inverse_mass), "solid.body");
     auto body = std::make_unique<BodyEquations>(setup.mesh, setup.properties, free_components(inverse_mass),
                                                 std::move(held), force, team);
     equations = body.get();

@@ -43,11 +43,13 @@ class TangentSolver {
 
   /// Forgets the matrix and what was added. Returns the first element turned inside out (J not above 0, or not a
   /// number), or -1.
-  /// `increment` d, (n_nodes, 4) [m]: where u was reached from a state in one linear step, the geometric stiffness
-  /// takes the stress of the strain that is linear along the step, E(u) - (grad d)^T (grad d) / 2, instead of that of
-  /// E(u): the displacements of the Newton iteration in which the stresses are unknowns of their own, which needs far
-  /// fewer iterations where slender parts rotate [Magisano, Leonetti, Garcea 2017]. The change of stress is linear in
-  /// the change of strain, with the tangent of the law at F. Null: the tangent itself.
+  /// `increment` d, (n_nodes, 4) [m]: where u was reached by one linear step d, the geometric stiffness takes the
+  /// stress that is linear along it, S(u - d) + dS/dE sym(F^T grad d), instead of S(u), and the second derivative of
+  /// the volume ratio likewise the pressure U'(J) + U''(J) dJ from J(u - d). These are the displacements of a Newton
+  /// iteration in which stresses and pressures are unknowns of their own: the stress of a linear step that rotates, or
+  /// that keeps the volume of nearly incompressible tissue, is right to first order, while that of its end is not of
+  /// its size. It needs far fewer iterations where slender parts rotate and where the bulk modulus is large [Magisano,
+  /// Leonetti, Garcea 2017, for laws that are linear in E]. Null: the tangent itself.
   Index assemble(const NodeVectors& displacement, TangentWeights weights, const NodeVectors* increment = nullptr);
 
   /// Adds the symmetric part of a contribution C (follower load, contact): call it for every pair of nodes (a, b) whose

@@ -24,7 +24,7 @@ struct ArcLengthControl {
   double longest_first_arc =
       std::numeric_limits<double>::max();  // near a limit the displacement of a load step is huge
   double longest_arc = 8;                  // over the first
-  double tolerance = 1e-7;                 // |r| over the scale of the forces
+  double tolerance = 1e-6;                 // |r| over the scale of the forces
   int n_iterations_wanted = 5;             // in an arc: more shorten the next, fewer lengthen it
   int n_iterations_most = 15;
   int n_halvings_most = 12;  // of the first arc, to the shortest that is tried

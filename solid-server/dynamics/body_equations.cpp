@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/minimal_residual.hpp"
 
 namespace couplet::solid {
 
@@ -54,14 +55,29 @@ Index BodyEquations::factorise(std::shared_ptr<const FactorOrigin> origin) {
   const NodeVectors* const increment = origin->increment.rows() > 0 ? &origin->increment : nullptr;
   if (const Index inverted = tangent_->assemble(origin->strained, origin->weights, increment); inverted >= 0)
     return inverted;
-  if (origin->external_stiffness != 0)
-    force_.external().add_stiffness(origin->displacement, origin->time,
-                                    [&](Index a, Index b, const Eigen::Matrix3d& block) {
-                                      tangent_->add(a, b, origin->external_stiffness * block);
-                                    });
+  skew_.clear();
+  if (const double weight = origin->external_stiffness; weight != 0)
+    force_.external().add_stiffness(
+        origin->displacement, origin->time,
+        [&](Index a, Index b, const Eigen::Matrix3d& block) { tangent_->add(a, b, weight * block); },
+        [&](Index a, Index b, const Eigen::Matrix3d& block) { skew_.add(a, b, weight * block); });
+  skew_.complete(tangent_->free());
   tangent_->factorise();
   origin_ = std::move(origin);
   return -1;
+}
+
+NodeVectors BodyEquations::solve_unsymmetric(const NodeVectors& rhs) const {
+  if (skew_.is_zero()) return solve(rhs);
+  constexpr double tolerance = 1e-6;  // far below what an iteration of Newton's method gains
+  constexpr int n_products_most = 40;
+  const auto multiply = [this](const NodeVectors& vector) {
+    NodeVectors product = tangent_->multiply(vector);
+    skew_.add_product(vector, product);
+    return product;
+  };
+  return minimal_residual(
+      multiply, [this](const NodeVectors& vector) { return solve(vector); }, rhs, tolerance, n_products_most);
 }
 
 double BodyEquations::factorisation_cost() const {

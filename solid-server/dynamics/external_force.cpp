@@ -4,6 +4,7 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/dynamics/work_team.hpp"
+#include "solid-server/load/surface_rim.hpp"
 
 namespace couplet::solid {
 
@@ -22,8 +23,10 @@ ExternalForce::ExternalForce(const SolidMesh& mesh, const WettedSurface& wetted,
     : n_nodes_(mesh.n_nodes()), surface_contact_(mesh, std::move(pairs)), wetted_node_(wetted.solid_node) {
   for (std::size_t l = 0; l < loads.pressures.size(); ++l) {
     const std::string where = "solid.pressure[" + std::to_string(l) + "].surface";
-    for (const auto& faces : group_by_shape(faces_of(mesh, loads.pressures[l].surface, where))) {
-      pressures_.push_back({make_face_packs(mesh, faces), loads.pressures[l].value, n_packs_});
+    const std::vector<FaceNodes> all = faces_of(mesh, loads.pressures[l].surface, where);
+    const std::vector<Index> rim = nodes_of_rim(all);
+    for (const auto& faces : group_by_shape(all)) {
+      pressures_.push_back({make_face_packs(mesh, faces), loads.pressures[l].value, n_packs_, rim});
       add_face_parts(pressures_.back().faces, faces);
     }
   }
@@ -161,9 +164,16 @@ Eigen::VectorXd ExternalForce::contact_stiffness_bound() const {
   return bound;
 }
 
-void ExternalForce::add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take) {
-  for (const PressedSurface& surface : pressures_)
-    pressure_stiffness(surface.faces, surface.pressure(time), displacement, take);
+void ExternalForce::add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take,
+                                  const TakeStiffness& take_rim) {
+  for (const PressedSurface& surface : pressures_) {
+    const auto is_on_rim = [&](Index node) { return std::binary_search(surface.rim.begin(), surface.rim.end(), node); };
+    pressure_stiffness(surface.faces, surface.pressure(time), displacement,
+                       [&](Index a, Index b, const Eigen::Matrix3d& block) {
+                         take(a, b, block);
+                         if (is_on_rim(a) && is_on_rim(b)) take_rim(a, b, block);
+                       });
+  }
   for (const PlaneContact& plane : planes_) {
     const Eigen::Matrix3d along_normal = plane.normal() * plane.normal().transpose();
     plane.stiffness(displacement.data(), [&](Index a, Index b, double s) { take(a, b, s * along_normal); });

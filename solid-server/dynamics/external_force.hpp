@@ -55,14 +55,17 @@ class ExternalForce {
   bool is_touching() const;  // where write() was last
   /// For each node, what contact adds to omega_max^2 times its mass at most [N/m].
   Eigen::VectorXd contact_stiffness_bound() const;
-  /// - d force / du of pressures and contact, for each pair of nodes.
-  void add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take);
+  /// - d force / du of pressures and contact, for each pair of nodes. `take_rim` is given again what pressures have on
+  /// the rims of their surfaces: all that may be unsymmetric.
+  void add_stiffness(const NodeVectors& displacement, double time, const TakeStiffness& take,
+                     const TakeStiffness& take_rim);
 
  private:
   struct PressedSurface {
     FacePacks faces;
     std::function<double(double)> pressure;
     std::size_t first_pack = 0;  // of its parts in the buffer
+    std::vector<Index> rim;      // nodes, rising
   };
   struct PlacedLoad {
     DeadLoad load;

@@ -34,9 +34,10 @@ class NonlinearSystem {
   virtual double length() const = 0;  // of the body [m]: what round-off is measured by
 };
 
+/// The defaults are those of the scene language.
 struct NewtonControl {
-  double tolerance = 1e-7;  // |r| over the scale of the forces
-  int n_iterations_most = 40;
+  double tolerance = 1e-6;  // |r| over the scale of the forces
+  int n_iterations_most = 25;
 };
 
 enum class NewtonOutcome { converged, too_many_iterations, diverged, inverted_element };

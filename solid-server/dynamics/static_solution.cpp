@@ -154,7 +154,8 @@ bool StaticSolution::load_step(double factor_start, double factor_end, NodeVecto
   // The factors with which the next step begins, and what they tell of this one.
   if (factorise(end, NodeVectors(0, 4)) >= 0) return false;
   ++work.n_factorisations;
-  if (n_negative_pivots() > n_negative_before) {
+  // Under pressures on free rims the symmetric part tells nothing: a strip that an end moment rolls up is stable.
+  if (body_->is_symmetric() && n_negative_pivots() > n_negative_before) {
     why_not = "the equilibrium that is found is not stable";
     return false;
   }
@@ -178,29 +179,50 @@ void StaticSolution::finish(double factor, Motion& to) {
 
 void StaticSolution::set_load(double factor, NodeVectors& u) {
   factor_ = factor;
-  body_->held().check_finite(moment(factor).time);
-  body_->held().hold(moment(factor).time, u);
-  external_size_ = body_->external_size(u, moment(factor));
+  hold(factor, u);
+  external_size_ = body_->external_size(u, moment(std::clamp(factor, 0.0, 1.0)));
+}
+
+void StaticSolution::hold(double factor, NodeVectors& u) {
+  const auto hold_at = [&](double known, NodeVectors& moved) {
+    body_->held().check_finite(moment(known).time);
+    body_->held().hold(moment(known).time, moved);
+  };
+  if (is_in_step(factor)) return hold_at(factor, u);
+  NodeVectors end = u;
+  hold_at(0, u);
+  hold_at(1, end);
+  u += factor * (end - u);
+}
+
+/// f(0) + factor (f(1) - f(0)) outside the step: forces are linear in loads.
+Index StaticSolution::forces(const NodeVectors& u, double factor, NodeVectors& force) {
+  if (is_in_step(factor)) return body_->forces(u, u, moment(factor), force);
+  NodeVectors end;
+  const Index inverted = body_->forces(u, u, moment(0), force);
+  body_->forces(u, u, moment(1), end);
+  force += factor * (end - force);
+  return inverted;
 }
 
 void StaticSolution::evaluate(const NodeVectors& u, Residual& residual) {
   NodeVectors force;
-  residual.inverted_element = body_->forces(u, u, moment(factor_), force);
+  residual.inverted_element = forces(u, factor_, force);
   residual.value = body_->free_part(force);
   residual.scale = std::max(external_size_, body_->held_part(force).norm());
 }
 
 NodeVectors StaticSolution::load_rate(const NodeVectors& u) {
   NodeVectors here, beyond, moved = u;
-  body_->forces(u, u, moment(factor_), here);
-  body_->held().hold(moment(factor_ + load_difference).time, moved);
-  body_->forces(moved, moved, moment(factor_ + load_difference), beyond);
+  forces(u, factor_, here);
+  hold(factor_ + load_difference, moved);
+  forces(moved, factor_ + load_difference, beyond);
   return body_->free_part(beyond - here) / load_difference;
 }
 
 Index StaticSolution::factorise(const NodeVectors& u, const NodeVectors& increment) {
-  return body_->factorise(
-      std::make_shared<const FactorOrigin>(FactorOrigin{u, u, increment, moment(factor_).time, {1, 0}, 1}));
+  return body_->factorise(std::make_shared<const FactorOrigin>(
+      FactorOrigin{u, u, increment, moment(std::clamp(factor_, 0.0, 1.0)).time, {1, 0}, 1}));
 }
 
 }  // namespace couplet::solid

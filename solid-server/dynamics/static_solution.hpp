@@ -19,7 +19,7 @@ struct StaticControl {
 /// which surfaces come deeper into contact than they can be followed, is halved, at most four times, and grows again
 /// after two successes. When that is not enough the load has a limit there, or the path turns: it is followed by arc
 /// length through the limit points to the next equilibrium at the wanted load (a snap-through in dynamics), as long as
-/// the control allows it.
+/// the control allows it. Outside the step the loads of the path are straight lines through its start and end.
 ///
 /// Velocity and acceleration are zero. After each step the tangent at the equilibrium tells its stability
 /// (StepWork::n_negative_pivots).
@@ -45,13 +45,20 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   void evaluate(const NodeVectors& u, Residual& residual) override;
   Index factorise(const NodeVectors& u, const NodeVectors& increment) override;
   bool has_factors() const override { return body_->origin() != nullptr; }
-  NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve(rhs); }
+  NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve_unsymmetric(rhs); }
   int n_negative_pivots() const override { return body_->n_negative_pivots(); }
   bool takes_full_steps() const override { return true; }
   double factorisation_cost() const override { return body_->factorisation_cost(); }
   double length() const override { return body_->length(); }
   void set_load(double factor, NodeVectors& u) override;
   NodeVectors load_rate(const NodeVectors& u) override;
+
+  // Inside the step loads and prescribed motions are those of the time; a path that leaves it, for loads that are below
+  // those of its start (an arch that snaps through has to be held back) or above those of its end, finds them
+  // continued as straight lines through start and end.
+  static bool is_in_step(double factor) { return factor >= 0 && factor <= 1; }
+  void hold(double factor, NodeVectors& u);
+  Index forces(const NodeVectors& u, double factor, NodeVectors& force);
 
   void begin(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to);
   bool load_step(double factor_start, double factor_end, NodeVectors& u, StepWork& work, std::string& why_not);

@@ -17,7 +17,7 @@ struct ProjectedVolume {
 
   /// The parts that belong to the whole element.
   struct Volume {
-    Modes pressure, pressure_change;  // the latter by the strain of the increment
+    Modes pressure;  // that is linear along the step
     Modes b[n_nodes][3];
     Modes stiffness[n_functions];  // V, row by row
   };
@@ -37,30 +37,15 @@ struct ProjectedVolume {
         const PointGeometry g = load_geometry(geometry + 10 * (first + q));
         gradient_in_space<n_nodes>(packs, first + q, g, group.gradient[q]);
         const Tensor<Pack> F = deformation_gradient<n_nodes>(u, group.gradient[q]);
-        group.tangent[q] = tangent_of(isochoric, F, axes);
-        BasicTangent<Pack> by_pressure{};
-        Pack p = volume.pressure.at(packs, first + q);
+        Tensor<Pack> step{};
+        if (d) step = step_gradient<n_nodes>(d, group.gradient[q], F);
+        Pack p = volume.pressure.at(packs, first + q), stiffness{};
         if constexpr (n_functions == 1) {
-          const Tensor<Pack> cof = cofactor(F);
-          const Pack J = determinant(F, cof);
-          p = (1 - share) * p + share * law.volumetric_part().pressure(J);
-          add_outer_product(scaled(share * law.volumetric_part().stiffness(J), cof), cof, by_pressure);
+          p = (1 - share) * p + share * pressure_after(law, F, step);
+          stiffness = share * law.volumetric_part().stiffness(determinant(F, cofactor(F)));
         }
-        add_second_derivative_of_volume(p, F, by_pressure);
-        by_pressure = mirrored(by_pressure);
-        for (int n = 0; n < 81; ++n) group.tangent[q].at[n / 9][n % 9] += by_pressure.at[n / 9][n % 9];
-        if (d) {
-          // As with a law W_1 + p J of fixed p, and the change of p:  S = p J C^-1,  J C^-1 = (cof F)^T cof F / J.
-          const Tensor<Pack> cof = cofactor(F);
-          const Tensor<Pack> P = sum(stress_of(isochoric, F, axes), scaled(p, cof));
-          add_stress_change(F, P, change_of_gradient(F, increment_gradient<n_nodes>(d, group.gradient[q])),
-                            group.tangent[q]);
-          const Pack factor = (1 - share) * volume.pressure_change.at(packs, first + q) / determinant(F, cof);
-          const Tensor<Pack> dS = scaled(factor, transpose_product(cof));
-          for (int i = 0; i < 3; ++i)
-            for (int J = 0; J < 3; ++J)
-              for (int L = 0; L < 3; ++L) group.tangent[q].at[3 * i + J][3 * i + L] += dS.at[J][L];
-        }
+        group.tangent[q] = d ? tangent_of_stress_after(isochoric, F, step, axes) : tangent_of(isochoric, F, axes);
+        add_volume_terms(p, stiffness, F, group.tangent[q]);
         scale(g.volume, group.tangent[q]);
       }
       sum_points(group, first == 0, blocks);
@@ -75,7 +60,7 @@ struct ProjectedVolume {
                        const NodePacks<n_nodes>& u, const Pack (*d)[3], Volume& out) {
     PackMask is_sound = Pack{} == 0.0;
     std::memset(&out, 0, sizeof out);
-    Modes moment{}, change_of_moment{};
+    Modes moment{}, moment_0{}, change_of_moment{};  // of J, and of J_0 and dJ of the step
     for (int q = 0; q < packs.n_points; ++q) {
       const PointGeometry g = load_geometry(geometry + 10 * q);
       Pack gradient[n_nodes][3];
@@ -84,10 +69,11 @@ struct ProjectedVolume {
       const Pack J = determinant(F, cof);
       is_sound &= J > 0.0;
       moment.add(packs, q, J * g.volume);
-      if (d) {
-        const Tensor<Pack> dF = change_of_gradient(F, increment_gradient<n_nodes>(d, gradient));
-        change_of_moment.add(packs, q, double_contraction(cof, dF) * g.volume);
-      }
+      Tensor<Pack> step{};
+      if (d) step = step_gradient<n_nodes>(d, gradient, F);
+      const Tensor<Pack> F_0 = sum(F, scaled(-1.0, step)), cof_0 = cofactor(F_0);
+      moment_0.add(packs, q, determinant(F_0, cof_0) * g.volume);
+      change_of_moment.add(packs, q, double_contraction(cof_0, step) * g.volume);
       for (int a = 0; a < n_nodes; ++a)
         for (int i = 0; i < 3; ++i) {
           const Pack slope =
@@ -96,22 +82,20 @@ struct ProjectedVolume {
         }
     }
     const StoredPack* inverse_gram = geometry + 10 * packs.n_points;
-    const Modes Jbar = moment.times(inverse_gram);
+    const Modes Jbar = moment.times(inverse_gram), Jbar_0 = moment_0.times(inverse_gram);
+    const Modes dJbar = change_of_moment.times(inverse_gram);
     Modes pressure_moment{};
     for (int q = 0; q < packs.n_points; ++q) {
-      const Pack J = Jbar.at(packs, q), volume = load(geometry[10 * q + 9]);
+      const Pack J = Jbar.at(packs, q), J_0 = Jbar_0.at(packs, q), volume = load(geometry[10 * q + 9]);
       is_sound &= J > 0.0;
-      pressure_moment.add(packs, q, law.volumetric_part().pressure(J) * volume);
+      const Pack pressure =
+          law.volumetric_part().pressure(J_0) + law.volumetric_part().stiffness(J_0) * dJbar.at(packs, q);
+      pressure_moment.add(packs, q, pressure * volume);
       const double* phi = &packs.volume_function[static_cast<std::size_t>(q * n_functions)];
       for (int A = 0; A < n_functions; ++A)
         out.stiffness[A].add(packs, q, phi[A] * law.volumetric_part().stiffness(J) * volume);
     }
     out.pressure = pressure_moment.times(inverse_gram);
-    const Modes change_of_Jbar = change_of_moment.times(inverse_gram);
-    Modes change{};
-    for (int A = 0; A < n_functions; ++A)
-      for (int B = 0; B < n_functions; ++B) change.mode[A] += out.stiffness[A].mode[B] * change_of_Jbar.mode[B];
-    out.pressure_change = change.times(inverse_gram);
     return is_sound;
   }
 

@@ -19,8 +19,8 @@ constexpr Index local_pair(int n_nodes, int a, int b) {
 ///   [Belytschko, Liu, Moran 2000, 6.4], material and geometric stiffness in one,
 /// into `blocks`, (packs, local pairs, 3 i + k). `displacement` is a NodeVectors array [m].
 ///
-/// `increment` d, a NodeVectors array [m], or null: with it the geometric stiffness takes the stress of the strain
-/// E(u) - (grad d)^T (grad d) / 2, to first order in that change (TangentSolver::assemble says why).
+/// `increment` d, a NodeVectors array [m], or null: with it the geometric stiffness takes the stress that is linear
+/// along the step d, and the stiffness of the volume the pressure that is (TangentSolver::assemble says why).
 ///
 /// Returns the first element that is turned inside out (J not above 0, or not a number), or -1.
 Index packed_tangent(const ElementPacks& packs, const Material& material, Index first, Index last,

@@ -22,10 +22,24 @@ struct StabilisedHexahedron {
                           const NodePacks<n_nodes>& u, const Pack (*d)[3], StoredPack* blocks) {
     const Deformation now(geometry, parts_of_modes(u));
     const Moduli modulus = moduli(law.shear_modulus(), law.bulk_modulus_at_rest());
-    BasicTangent<Pack> slope = tangent_of(law, now.F, axes);
+    BasicTangent<Pack> slope;
     Pack a[4][3];  // whose resultants the geometric stiffness takes
     std::memcpy(&a, &now.a, sizeof a);
-    if (d) add_increment(law, axes, geometry, now, d, slope, a);
+    if (d) {
+      // Along the step a_kj is to be linear, like the stress: it loses the product of the changes of d_j and q_k.
+      NodePacks<n_nodes> increment;
+      std::memcpy(&increment, d, sizeof increment);
+      Deformation by(geometry, parts_of_modes(increment));
+      for (int i = 0; i < 3; ++i) by.F.at[i][i] -= 1.0;
+      slope = tangent_after(law, now.F, step_from_sound(now.F, by.F), axes);
+      for (int j = 0; j < 3; ++j) {
+        Pack change[3];  // of d_j
+        for (int i = 0; i < 3; ++i) change[i] = dot(by.F.at[i], now.X[j]);
+        for (int k = 0; k < 4; ++k) a[k][j] -= dot(change, by.q[k]);
+      }
+    } else {
+      slope = tangent_of(law, now.F, axes);
+    }
     const Resultants resultant(modulus, geometry, a);
     scale(load(geometry[volume_at]), slope);
 
@@ -69,22 +83,6 @@ struct StabilisedHexahedron {
   }
 
  private:
-  /// With the strain of the increment Fbar and a_kj = d_j . q_k lose what is of second order in it.
-  template <class Law>
-  static void add_increment(const Law& law, const LocalAxes<Pack>& axes, const StoredPack* geometry,
-                            const Deformation& now, const Pack (*d)[3], BasicTangent<Pack>& slope, Pack (&a)[4][3]) {
-    NodePacks<n_nodes> increment;
-    std::memcpy(&increment, d, sizeof increment);
-    Deformation by(geometry, parts_of_modes(increment));
-    for (int i = 0; i < 3; ++i) by.F.at[i][i] -= 1.0;
-    add_stress_change(now.F, stress_of(law, now.F, axes), change_of_gradient(now.F, by.F), slope);
-    for (int j = 0; j < 3; ++j) {
-      Pack change[3];  // of d_j
-      for (int i = 0; i < 3; ++i) change[i] = dot(by.F.at[i], now.X[j]);
-      for (int k = 0; k < 4; ++k) a[k][j] -= dot(change, by.q[k]);
-    }
-  }
-
   /// From modes to corners on both sides.
   static void write_nodes(Pack (&K)[8][8], int component, StoredPack* blocks) {
     for (auto& row : K) eight_points::to_values<3>(row, 1);

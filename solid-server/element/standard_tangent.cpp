@@ -23,10 +23,8 @@ struct StandardElement {
         gradient_in_space<n_nodes>(packs, first + q, g, group.gradient[q]);
         const Tensor<Pack> F = deformation_gradient<n_nodes>(u, group.gradient[q]);
         is_sound &= determinant(F, cofactor(F)) > 0.0;
-        group.tangent[q] = tangent_of(law, F, axes);
-        if (d)
-          add_stress_change(F, stress_of(law, F, axes),
-                            change_of_gradient(F, increment_gradient<n_nodes>(d, group.gradient[q])), group.tangent[q]);
+        group.tangent[q] =
+            d ? tangent_after(law, F, step_gradient<n_nodes>(d, group.gradient[q], F), axes) : tangent_of(law, F, axes);
         scale(g.volume, group.tangent[q]);
       }
       sum_points(group, first == 0, blocks);

@@ -60,46 +60,78 @@ template <int n_nodes>
     for (Pack& entry : row) entry *= factor;
 }
 
-/// Gradient of the increment, nothing without one.
+/// D, or 0 in the elements that F - D turns inside out: laws have no stress there.
+[[gnu::always_inline]] inline Tensor<Pack> step_from_sound(const Tensor<Pack>& F, const Tensor<Pack>& D) {
+  const Tensor<Pack> F_0 = sum(F, scaled(-1.0, D));
+  const PackMask is_sound = determinant(F_0, cofactor(F_0)) > 0.0;
+  Tensor<Pack> step;
+  for (int n = 0; n < 9; ++n) step.at[n / 3][n % 3] = is_sound ? D.at[n / 3][n % 3] : Pack{};
+  return step;
+}
+
+/// The step D = sum of d_a (x) dN_a/dX that led to F, as far as laws can follow it.
 template <int n_nodes>
-[[gnu::always_inline]] inline Tensor<Pack> increment_gradient(const Pack (*d)[3], const Pack (&gradient)[n_nodes][3]) {
-  Tensor<Pack> slope{};
-  if (d)
-    for (int a = 0; a < n_nodes; ++a)
-      for (int J = 0; J < 3; ++J)
-        for (int i = 0; i < 3; ++i) slope.at[i][J] += d[a][i] * gradient[a][J];
-  return slope;
-}
-
-/// The change of the deformation gradient that belongs to the strain dE = - (grad d)^T (grad d) / 2:  dF = F^-T dE.
-[[gnu::always_inline]] inline Tensor<Pack> change_of_gradient(const Tensor<Pack>& F, const Tensor<Pack>& slope_of_d) {
-  const Tensor<Pack> cof = cofactor(F);
-  const Pack factor = -0.5 / determinant(F, cof);
-  return scaled(factor, product(cof, transpose_product(slope_of_d)));
-}
-
-/// d2W/dF2 + I (x) dS: the change of the second Piola-Kirchhoff stress, dS = (d2W/dE2) dE, found along dF = F^-T dE,
-/// which has this dE: F dS = dP - dF S. P = dW/dF.
-[[gnu::always_inline]] inline void add_stress_change(const Tensor<Pack>& F, const Tensor<Pack>& P,
-                                                     const Tensor<Pack>& dF, BasicTangent<Pack>& tangent) {
-  const Tensor<Pack> cof = cofactor(F);
-  const Pack inverse_J = 1.0 / determinant(F, cof);
-  Tensor<Pack> S{}, rest{};
-  for (int I = 0; I < 3; ++I)
+[[gnu::always_inline]] inline Tensor<Pack> step_gradient(const Pack (*d)[3], const Pack (&gradient)[n_nodes][3],
+                                                         const Tensor<Pack>& F) {
+  Tensor<Pack> D{};
+  for (int a = 0; a < n_nodes; ++a)
     for (int J = 0; J < 3; ++J)
-      for (int i = 0; i < 3; ++i) S.at[I][J] += inverse_J * cof.at[i][I] * P.at[i][J];
+      for (int i = 0; i < 3; ++i) D.at[i][J] += d[a][i] * gradient[a][J];
+  return step_from_sound(F, D);
+}
+
+/// U'' (dJ/dF) (x) (dJ/dF) + p d2J/dF2: what a part U(J) of the energy adds to d2W/dF2 under the pressure p.
+[[gnu::always_inline]] inline void add_volume_terms(const Pack& pressure, const Pack& stiffness, const Tensor<Pack>& F,
+                                                    BasicTangent<Pack>& tangent) {
+  const Tensor<Pack> cof = cofactor(F);
+  BasicTangent<Pack> upper{};
+  add_outer_product(scaled(stiffness, cof), cof, upper);
+  add_second_derivative_of_volume(pressure, F, upper);
+  const BasicTangent<Pack> whole = mirrored(upper);
+  for (int n = 0; n < 81; ++n) tangent.at[n / 9][n % 9] += whole.at[n / 9][n % 9];
+}
+
+/// d2W/dF2 at F, whose geometric part I (x) S takes the stress that is linear along the step D = grad d from F_0 = F -
+/// D,
+///   S = S_0 + F_0^-1 (dP - D S_0),  dP = (d2W/dF2)_0 D,
+/// instead of that of F: S = F^-1 P is the second Piola-Kirchhoff stress, P = dW/dF.
+template <class Law>
+[[gnu::noinline]] BasicTangent<Pack> tangent_of_stress_after(const Law& law, const Tensor<Pack>& F,
+                                                             const Tensor<Pack>& D, const LocalAxes<Pack>& axes) {
+  const Tensor<Pack> F_0 = sum(F, scaled(-1.0, D)), P_0 = stress_of(law, F_0, axes);
+  const Tensor<Pack> inverse_0 = inverse(F_0), S_0 = product(inverse_0, P_0);
+  const BasicTangent<Pack> slope = tangent_of(law, F_0, axes);
+  Tensor<Pack> P = sum(P_0, scaled(-1.0, product(D, S_0)));  // F_0 S
+  for (int n = 0; n < 9; ++n)
+    for (int m = 0; m < 9; ++m) P.at[n / 3][n % 3] += slope.at[n][m] * D.at[m / 3][m % 3];
+  const Tensor<Pack> dS = sum(product(inverse_0, P), scaled(-1.0, product(inverse(F), stress_of(law, F, axes))));
+  BasicTangent<Pack> tangent = tangent_of(law, F, axes);
   for (int i = 0; i < 3; ++i)
-    for (int J = 0; J < 3; ++J) {
-      for (int k = 0; k < 3; ++k)
-        for (int L = 0; L < 3; ++L) rest.at[i][J] += tangent.at[3 * i + J][3 * k + L] * dF.at[k][L];
-      for (int I = 0; I < 3; ++I) rest.at[i][J] -= dF.at[i][I] * S.at[I][J];
-    }
-  for (int J = 0; J < 3; ++J)
-    for (int L = 0; L < 3; ++L) {
-      Pack dS{};
-      for (int i = 0; i < 3; ++i) dS += inverse_J * cof.at[i][J] * rest.at[i][L];
-      for (int i = 0; i < 3; ++i) tangent.at[3 * i + J][3 * i + L] += dS;
-    }
+    for (int J = 0; J < 3; ++J)
+      for (int L = 0; L < 3; ++L) tangent.at[3 * i + J][3 * i + L] += dS.at[J][L];
+  return tangent;
+}
+
+/// U'(J_0) + U''(J_0) dJ: the pressure of U(J) that is linear along the step D from F_0.
+template <class Law>
+[[gnu::always_inline]] inline Pack pressure_after(const Law& law, const Tensor<Pack>& F, const Tensor<Pack>& D) {
+  const Tensor<Pack> F_0 = sum(F, scaled(-1.0, D)), cof = cofactor(F_0);
+  const Pack J = determinant(F_0, cof);
+  return law.volumetric_part().pressure(J) + law.volumetric_part().stiffness(J) * double_contraction(cof, D);
+}
+
+/// The tangent of a point that came to F by the step D: stress and pressure are both linear along it.
+template <class Law>
+[[gnu::always_inline]] inline BasicTangent<Pack> tangent_after(const Law& law, const Tensor<Pack>& F,
+                                                               const Tensor<Pack>& D, const LocalAxes<Pack>& axes) {
+  if constexpr (Law::has_volumetric_part) {
+    BasicTangent<Pack> tangent = tangent_of_stress_after(law.without_volumetric_part(), F, D, axes);
+    add_volume_terms(pressure_after(law, F, D), law.volumetric_part().stiffness(determinant(F, cofactor(F))), F,
+                     tangent);
+    return tangent;
+  } else {
+    return tangent_of_stress_after(law, F, D, axes);
+  }
 }
 
 /// Adds the points of a group to the blocks of all pairs of nodes, or sets them when it is the first.

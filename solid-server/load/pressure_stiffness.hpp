@@ -13,9 +13,9 @@ using TakeStiffness = std::function<void(Index node_a, Index node_b, const Eigen
 /// Of the forces of surface_pressure.hpp:
 ///   C_ab = p sum over points of N_a (dN_b/deta [x,xi] - dN_b/dxi [x,eta]) w,   [v] d = v x d,
 /// for every pair of nodes of a face. Its sum over the faces of a smooth surface is symmetric except for what stands on
-/// the rim of the surface, and wholly so where the rim is held [Bonet, Wood 2008, 8.5]; a symmetric solver that takes
-/// the symmetric part loses the rim's part in the rate of convergence, nothing in the result. `displacement`: (n_nodes,
-/// 4) [m].
+/// the rim of the surface, and wholly so where the rim is held [Bonet, Wood 2008, 8.5]. A method that takes the
+/// symmetric part changes its rate of convergence, not its result; statics with a free rim hardly converge without the
+/// other part (assembly/skew_part.hpp). `displacement`: (n_nodes, 4) [m].
 void pressure_stiffness(const FacePacks& faces, double pressure, const NodeVectors& displacement,
                         const TakeStiffness& take);
 

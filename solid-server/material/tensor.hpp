@@ -89,6 +89,16 @@ template <class Real>
 }
 
 template <class Real>
+[[gnu::always_inline]] inline Tensor<Real> inverse(const Tensor<Real>& a) {
+  const Tensor<Real> cof = cofactor(a);
+  const Real factor = 1.0 / determinant(a, cof);
+  Tensor<Real> c;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) c.at[i][j] = factor * cof.at[j][i];
+  return c;
+}
+
+template <class Real>
 [[gnu::always_inline]] inline Real double_contraction(const Tensor<Real>& a, const Tensor<Real>& b) {
   Real sum = a.at[0][0] * b.at[0][0];
   for (int n = 1; n < 9; ++n) sum += a.at[n / 3][n % 3] * b.at[n / 3][n % 3];

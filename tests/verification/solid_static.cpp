@@ -9,7 +9,9 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/element/quadrature.hpp"
 #include "solid-server/element/shape_functions.hpp"
+#include "solid-server/mesh/parametric/annulus_mesh.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "solid-server/mesh/parametric/hollow_sphere_mesh.hpp"
 #include "solid-server/solid_model.hpp"
 
 namespace couplet::solid {
@@ -100,6 +102,121 @@ TEST(CantileverUnderEndShear, ReachesTheSameStateInManySteps) {
   EXPECT_LE(in_steps.model.total_work().n_iterations, 40);
 }
 
+struct Bending {
+  const char* name;
+  Material material;
+  ElementFormulation formulation;
+  int n_points;
+};
+
+TEST(SlenderBending, TakesFewIterationsForNearlyIncompressibleTissue) {
+  // As above with Poisson's ratio 0.4999, in four steps. Iterations: 16 to 21; without the step in the tangent 680 to
+  // 800.
+  const auto standard = ElementFormulation::standard, projected = ElementFormulation::near_incompressible;
+  const Material saint_venant_kirchhoff = SaintVenantKirchhoff::from_young(1.2e6, 0.4999);
+  const Material neo_hookean = NeoHookean::from_young(1.2e6, 0.4999);
+  for (const Bending& kind : {Bending{"Saint Venant-Kirchhoff, 27 points", saint_venant_kirchhoff, standard, 27},
+                              Bending{"neo-Hooke, 8 points", neo_hookean, standard, 8},
+                              Bending{"neo-Hooke, 27 points", neo_hookean, standard, 27},
+                              Bending{"neo-Hooke, near-incompressible", neo_hookean, projected, 8}}) {
+    SolidSetup setup = Cantilever::setup({16, 2, 1}, kind.n_points);
+    setup.properties[0].material = kind.material;
+    setup.properties[0].formulation = kind.formulation;
+    SolidModel beam(setup);
+    for (int n = 0; n < 4; ++n) advance(beam, 0.25);
+    std::printf("0.4999, %s: %ld iterations, lift %.4f\n", kind.name, beam.total_work().n_iterations,
+                beam.accepted().motion.displacement.col(2).maxCoeff());
+    EXPECT_LE(beam.total_work().n_iterations, 40) << kind.name;
+    EXPECT_EQ(beam.total_work().n_negative_pivots, 0);
+  }
+}
+
+/// Pressures [Pa] at which the inner radius of an incompressible Mooney-Rivlin wall (a10 = 2.29, a01 = 0.25 kPa, from 1
+/// to 2 mm) is 1.1, 1.25, 1.5 and 2 mm: integrals of the radial equilibrium.
+struct ThickWall {
+  const char* name;
+  std::array<double, 5> pressure;
+  SolidMesh mesh;
+  std::vector<SymmetrySurface> symmetry;
+};
+
+TEST(ThickWall, IsInflatedInFewIterationsAtABulkModulusOf5000ShearModuli) {
+  const ThickWall walls[] = {
+      {"cylinder",
+       {0, 668.336, 1400.615, 2175.400, 2916.192},
+       make_annulus_mesh({.length = 0.5e-3, .angle = std::numbers::pi / 2, .n_elements = {4, 8, 1}}),
+       {{"start", 1}, {"end", 0}, {"z_min", 2}, {"z_max", 2}}},
+      {"sphere",
+       {0, 1475.01, 2883.18, 4067.58, 4666.45},
+       make_hollow_sphere_mesh({.n_radial = 3, .n_around = 3}),
+       {{"x_min", 0}, {"y_min", 1}, {"z_min", 2}}}};
+  const double radius[] = {1, 1.1, 1.25, 1.5, 2};
+  for (const ThickWall& wall : walls) {
+    SolidSetup setup = static_setup(MooneyRivlin{2290, 250, 5000 * 2 * 2540}, 27);
+    setup.mesh = wall.mesh;
+    setup.properties.resize(wall.mesh.block.size(), setup.properties[0]);
+    for (BlockProperties& block : setup.properties) block.formulation = ElementFormulation::near_incompressible;
+    setup.supports.symmetry = wall.symmetry;
+    setup.pressures = {{"inner", [&wall](double t) {
+                          const auto n = static_cast<std::size_t>(std::min(t, 3.5));
+                          return wall.pressure[n] +
+                                 (t - static_cast<double>(n)) * (wall.pressure[n + 1] - wall.pressure[n]);
+                        }}};
+    SolidModel model(setup);
+    for (int n = 1; n <= 4; ++n) {
+      advance(model, 0.5);
+      advance(model, 0.5);
+      const double found = 1 + 1e3 * model.accepted().motion.displacement.col(0).maxCoeff();
+      // p/K = 2e-4 moves the inner wall by as much. At radius 2 the sphere is within 0.13 % of its largest pressure,
+      // where the radius doubles all errors of the pressure by far: 1 % is 0.002 % of that.
+      const bool is_near_limit = wall.symmetry.size() == 3 && n == 4;
+      EXPECT_NEAR(found, radius[n], (is_near_limit ? 1e-2 : 1e-3) * radius[n]) << wall.name;
+    }
+    std::printf("thick %s: %ld iterations in 8 steps\n", wall.name, model.total_work().n_iterations);
+    EXPECT_LE(model.total_work().n_iterations, 8 * 7) << wall.name;  // 32 and 48
+    EXPECT_EQ(model.total_work().n_negative_pivots, 0);
+  }
+}
+
+TEST(CantileverUnderEndMoment, RollsUpUnderFollowerPressuresWithFreeRims) {
+  // A pair of follower pressures on the halves of the end face, M = q (h/2) b (h/2); 2 pi EI / L closes the circle. The
+  // pressed halves end at free rims: the tangent is unsymmetric, without which the first tenth of the moment fails.
+  SolidSetup setup = Cantilever::setup({16, 2, 2}, 8);
+  setup.tractions.clear();
+  for (const ElementFace& face : setup.mesh.find_surface("x_max", "test")) {
+    double height = 0;
+    const FaceNodes nodes = setup.mesh.nodes_of(face);
+    for (const Index node : nodes) height += setup.mesh.node_position(node, 2) / static_cast<double>(nodes.size());
+    setup.mesh.surface[height > 0.05 ? "upper" : "lower"].push_back(face);
+  }
+  const double whole_moment = 2 * std::numbers::pi * 1.2e6 * std::pow(0.1, 3) / 12 / 10, arm = 0.05;
+  const double pressure = whole_moment / (arm * arm);
+  setup.pressures = {{"upper", [=](double t) { return pressure * t; }},
+                     {"lower", [=](double t) { return -pressure * t; }}};
+  SolidModel model(setup);
+  const auto tip = [&] {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    int n_nodes = 0;
+    for (const Index node : model.mesh().find_nodes("x_max", "test"))
+      sum += model.accepted().motion.displacement.row(node).head<3>(), ++n_nodes;
+    return Eigen::Vector3d(sum / n_nodes);
+  };
+  advance(model, 0.125);
+  const Eigen::Vector3d eighth = tip();
+  for (int n = 1; n < 8; ++n) advance(model, 0.125);
+  const Eigen::Vector3d whole = tip();
+  std::printf("end moment: an eighth %.4f %.4f, whole %.4f %.4f, %ld iterations\n", eighth.x(), eighth.z(), whole.x(),
+              whole.z(), model.total_work().n_iterations);
+  // The pair is not quite a moment: where it warps the end, its forces of 1250 N turn by unlike angles, and a
+  // thousandth of that, ten metres away, is a third of the moment of a quarter circle. Second order in the moment: 0.3
+  // % at an eighth.
+  const double angle = std::numbers::pi / 4;
+  EXPECT_NEAR(eighth.x(), 10 * (std::sin(angle) / angle - 1), 0.01 * 10);
+  EXPECT_NEAR(std::abs(eighth.z()), 10 * (1 - std::cos(angle)) / angle, 0.01 * 10);
+  EXPECT_LE((whole - Eigen::Vector3d(-10, 0, 0)).norm(), 0.1 * 10);
+  EXPECT_LE(model.total_work().n_iterations, 90);  // 64
+}
+
 /// A shallow arch w = rise sin(pi x / L), pinned at the middle of both ends, under a vertical load q sin(pi x / L) per
 /// length, as a strip of solid elements, E = 1 MPa, nu = 0, L = 1 m, h = 2.5 mm, as wide as high.
 struct Arch {
@@ -162,10 +279,11 @@ struct Arch {
 };
 
 TEST(ShallowArch, SnapsThroughAtItsLimitLoad) {
-  // Closed form of the sinusoidal shallow arch: q / q_0 = 2.0379 for lambda_1 = 1.5, 4 for 2. Pins on a line of nodes
+  // Closed form of the sinusoidal shallow arch: q / q_0 = 2.0379 for lambda_1 = 1.5, 4 for 2, 11.7093 for 3, whose path
+  // then leads through a load of -5.7093. Pins on a line of nodes
   // give way by some h, which a bar without section does not: -0.3 % here, -1.1 % at four times the thickness. The
   // parabola through three points of the path is good to as much.
-  for (const auto& [lambda_1, limit] : {std::pair{1.5, 2.0379}, std::pair{2.0, 4.0}}) {
+  for (const auto& [lambda_1, limit] : {std::pair{1.5, 2.0379}, std::pair{2.0, 4.0}, std::pair{3.0, 11.7093}}) {
     Arch arch(lambda_1);
     const double load = 1.5 * limit;
     arch.model.solve_step(1, load * arch.unit_load());
@@ -174,7 +292,8 @@ TEST(ShallowArch, SnapsThroughAtItsLimitLoad) {
     ASSERT_GE(work.limit_loads.size(), 1u);
     std::printf("arch, lambda_1 = %.1f: limit %.4f q_0 (%.4f), %ld arcs, %ld iterations\n", lambda_1,
                 work.limit_loads[0] * load, limit, work.n_substeps, work.n_iterations);
-    EXPECT_NEAR(work.limit_loads[0] * load, limit, 0.006 * limit);
+    // The first arcs are those of a sixteenth of the step, whose load for 3 is as large as a tenth of the limit.
+    EXPECT_NEAR(work.limit_loads[0] * load, limit, (lambda_1 < 3 ? 0.006 : 0.02) * limit);
     EXPECT_EQ(work.n_negative_pivots, 0);
     EXPECT_LT(arch.model.accepted().motion.displacement.col(2).minCoeff(), -1.5 * arch.rise);  // it hangs now
   }

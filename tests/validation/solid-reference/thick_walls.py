@@ -18,14 +18,17 @@ SHAPES = {
 def solve_case(options, shape, reference, n, ratio, is_mixed):
     mesh, supports, test, case = SHAPES[shape]
     mesh = mesh.format(a=INNER, b=OUTER, n=n, m=2 * n)
-    pressures = [reference[test, case.format(a=a), "inner pressure"] * 1e3 for a in RADII]
-    table = "".join(f" row {{ time: {time!r}  value: {value!r} }}" for time, value in zip((0.0, 0.1, 0.2, 0.3, 0.4), (0.0, *pressures)))
+    # The pressure of a sphere has its largest value, 4.672 kPa, at radius 2.1: a softer or coarser one has no equilibrium at that of radius 2.
+    radii = RADII[:3] if shape == "thick_sphere" and ratio < 5000 else RADII
+    pressures = [reference[test, case.format(a=a), "inner pressure"] * 1e3 for a in radii]
+    times = [0.1, 0.2, 0.3, 0.4][: len(radii)]
+    table = "".join(f" row {{ time: {time!r}  value: {value!r} }}" for time, value in zip((0.0, *times), (0.0, *pressures)))
     extra = [supports, "near_incompressible: true"] if is_mixed else [supports]
     name = f"{shape}-{n}-K{ratio}-{'near_incompressible' if is_mixed else 'standard'}"
-    text = scene(name, 0.4, 0.05, body("wall", mesh, mooney_rivlin(A10, A01, ratio * SHEAR_MODULUS), *extra)
+    text = scene(name, times[-1], 0.05, body("wall", mesh, mooney_rivlin(A10, A01, ratio * SHEAR_MODULUS), *extra)
                  + f'  pressure {{ surface: "inner"  value {{{table} }} }}\n', STATIC, probe("inner", (INNER, 0, 0)))
     history, folder = solve(options, name, text)
-    found = [1 + history["inner.x"][abs(history["time"] - time).argmin()] / INNER for time in (0.1, 0.2, 0.3, 0.4)]
+    found = [1 + history["inner.x"][abs(history["time"] - time).argmin()] / INNER for time in times]
     return found, folder, name
 
 

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "solid-server/load/surface_pressure.hpp"
+#include "solid-server/load/surface_rim.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
 
 namespace couplet::solid {
@@ -64,6 +67,36 @@ TEST(PressureStiffness, IsSymmetricOnAClosedSurface) {
   const auto asymmetry = [](const Eigen::MatrixXd& K) { return (K - K.transpose()).norm() / K.norm(); };
   EXPECT_LE(asymmetry(closed.stiffness()), 1e-13);
   EXPECT_GT(asymmetry(open.stiffness()), 1e-3);
+}
+
+TEST(PressureStiffness, IsUnsymmetricOnTheRimOnly) {
+  const PressedBox open({"x_max", "z_max"});
+  const Eigen::MatrixXd K = open.stiffness(), skew = (K - K.transpose()) / 2;
+  const std::vector<Index> rim = nodes_of_rim(open.face_nodes);
+  const auto is_on_rim = [&](Index node) { return std::binary_search(rim.begin(), rim.end(), node); };
+  double largest = 0;
+  for (Index a = 0; a < open.mesh.n_nodes(); ++a)
+    for (Index b = 0; b < open.mesh.n_nodes(); ++b) {
+      const double size = skew.block<3, 3>(3 * a, 3 * b).norm();
+      if (is_on_rim(a) && is_on_rim(b))
+        largest = std::max(largest, size);
+      else
+        EXPECT_LE(size, 1e-14 * K.norm());  // round-off
+    }
+  EXPECT_GT(largest, 1e-3 * K.norm());
+}
+
+TEST(Rim, IsWhereOneFaceEnds) {
+  const PressedBox closed({"x_min", "x_max", "y_min", "y_max", "z_min", "z_max"}), open({"z_max"});
+  EXPECT_TRUE(nodes_of_rim(closed.face_nodes).empty());
+  const std::vector<Index> rim = nodes_of_rim(open.face_nodes);
+  EXPECT_EQ(rim.size(), 16u);  // eight edges of two nodes each
+  for (const Index node : rim) {
+    const Eigen::Vector3d X = open.mesh.node_position.row(node);
+    const double from_edge = std::min({X.x(), 1 - X.x(), X.y(), 0.8 - X.y()});
+    EXPECT_NEAR(from_edge, 0, 1e-12);
+    EXPECT_NEAR(X.z(), 0.6, 1e-12);
+  }
 }
 
 }  // namespace
