@@ -110,7 +110,9 @@ struct SolidModel::Parts {
 
   std::unique_ptr<TimeIntegrator> make_integrator() {
     HeldMotion held(setup.mesh, setup.supports.prescribed);
-    if (setup.method != TimeMethod::static_equilibrium) held.refuse_jump_at_start(1e-9 * smallest_edge(setup.mesh));
+    const auto& nodes = setup.mesh.node_position;
+    const double extent = (nodes.colwise().maxCoeff() - nodes.colwise().minCoeff()).maxCoeff();
+    if (setup.method != TimeMethod::static_equilibrium) held.refuse_jump_at_start(1e-12 * extent);  // round-off
     std::vector<KickVelocity> kicks = kick_velocities(setup.mesh, setup.kicks);
     if (setup.method == TimeMethod::central_difference) {
       auto made = std::make_unique<CentralDifference>(setup.mesh, force, mass, inverse_mass, std::move(held),

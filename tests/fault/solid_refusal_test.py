@@ -149,7 +149,7 @@ class RefusedScenes(SolidCase):
     def test_a_body_that_cannot_move(self):
         held = 'box { length { x: 1 y: 1 z: 1 } } ' + SOFT + ' fixed: ["x_min", "x_max", "y_min", "y_max", "z_min", "z_max"]'
         for method in EVERY_METHOD.values():
-            self.refuse(scene(held, acting=method), "no node of the body is free to move", "fix fewer surfaces")
+            self.refuse(scene(held, acting=method), "no node of any body is free to move", "fix fewer surfaces")
 
     def test_a_leaflet_without_thickness(self):
         self.refuse(scene("valve { thickness: 0 elements_u: 6 elements_v: 4 }" + SOFT), r"valve\.thickness: 0 is not above 0")
@@ -161,25 +161,26 @@ class FailingRuns(SolidCase):
             for material in (SOFT, KIRCHHOFF):
                 with self.subTest(name, material=material[29:40]):
                     done = self.run_solid(scene(BOX + material + 'fixed: "x_min"', pressure(1e9) + method), out=name + material[29:32])
-                    self.expect(done, NUMERICS, r"solid, t = \S+( to \S+)? s: ", r"element \d+ at \(|the corrections grow")
+                    # No element of soft tissue inverts before its equilibria end; everything else is told by its element.
+                    ends = "no equilibrium is found" if (name, material) == ("static", SOFT) else r"element \d+ at \("
+                    self.expect(done, NUMERICS, r"solid, t = \S+( to \S+)? s: ", ends)
 
     def test_a_motion_that_tears_a_body(self):
         for name, method in EVERY_METHOD.items():
             with self.subTest(name):
-                self.expect(self.run_solid(scene(acting=moved("-1e3*t") + method), out=name), NUMERICS, r"solid, t = ", r"element \d+ at \(|singular")
+                self.expect(self.run_solid(scene(acting=moved("-1e3*t") + method), out=name), NUMERICS, r"solid, t = ", r"element \d+ at \(")
 
     def test_motions_that_are_no_numbers(self):
         for name, method in EVERY_METHOD.items():
-            for formula, value in (("sqrt(-1-t)", "-?nan"), ("0.001*sqrt(5e-4-t)", "-?nan"), ("1/(0*t)", "-?(nan|inf)")):
+            for formula, value in (("sqrt(-1-t)", "-?nan"), ("0.001*(sqrt(5e-4)-sqrt(5e-4-t))", "-?nan"), ("1/(0*t)", "-?(nan|inf)")):
                 with self.subTest(name, formula=formula):
                     done = self.run_solid(scene(acting=moved(formula) + method), out=name + value + formula[:3])
                     self.expect(done, NUMERICS, rf"solid\.prescribed_motion \"x_max\", t = \S+ s: the formula of x gives {value} at \(0\.01, 0, 0\) m")
 
     def test_supports_that_leave_a_body_free(self):
-        # A row along x that may turn about its axis: symmetry holds x only, one edge load turns it.
         body = BOX + SOFT + 'symmetry { surface: "x_min" normal: X }'
         load = 'traction { surface: "x_max" value { direction { y: 1 } value { row { time: 0 value: 1 } } } }'
-        self.expect(self.run_solid(scene(body, load + STATIC)), NUMERICS, r"solid, t = 0 s: ", "support the body")
+        self.expect(self.run_solid(scene(body, load + STATIC)), SCENE, "the body can shift along y and z and turn about x as a whole", "hold it by fixed")
 
     def test_what_was_computed_before_a_failure_stays_and_can_be_resumed(self):
         output = "output { results_interval: 1e-4 checkpoints { every_steps: 1 } }"
