@@ -7,26 +7,11 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/dynamics/central_difference.hpp"
-#include "solid-server/dynamics/stable_step.hpp"
 #include "solid-server/element/mass.hpp"
 
 namespace couplet::solid {
 
 namespace {
-
-double smallest_edge(const SolidMesh& mesh) {
-  double smallest = std::numeric_limits<double>::max();
-  for (const ElementBlock& block : mesh.block)
-    for (Index element = 0; element < block.n_elements(); ++element)
-      for (const auto& [a, b] : topology(block.shape).edge) {
-        if (a < 0) continue;
-        const auto corner = [&](int c) {
-          return mesh.node_position.row(block.nodes_of(element)[static_cast<std::size_t>(c)]);
-        };
-        smallest = std::min(smallest, (corner(b) - corner(a)).norm());
-      }
-  return smallest;
-}
 
 std::vector<KickVelocity> kick_velocities(const SolidMesh& mesh, const std::vector<Kick>& kicks) {
   std::vector<KickVelocity> velocities;
@@ -94,8 +79,6 @@ struct SolidModel::Parts {
   CentralDifference* central_difference = nullptr;  // the integrator, when it is this one
   BodyEquations* equations = nullptr;               // of any other
   std::unique_ptr<TimeIntegrator> integrator;
-  double smallest_length;       // [m]
-  double contact_rate_squared;  // bound of contact's part of omega_max^2 [1/s^2]
   SolidState accepted, trial;
   SolidEnergy energy;
   SoftenedElements softened;
@@ -110,17 +93,17 @@ struct SolidModel::Parts {
               ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes, contact_pairs(setup)),
               setup.n_threads),
         team(setup.n_threads),
-        integrator(make_integrator()),
-        smallest_length(smallest_edge(setup.mesh)),
-        contact_rate_squared(
-            force.external().contact_stiffness_bound().cwiseProduct(inverse_mass.rowwise().maxCoeff()).maxCoeff()) {}
+        integrator(make_integrator()) {}
 
   std::unique_ptr<TimeIntegrator> make_integrator() {
     HeldMotion held(setup.mesh, setup.supports.prescribed);
     std::vector<KickVelocity> kicks = kick_velocities(setup.mesh, setup.kicks);
     if (setup.method == TimeMethod::central_difference) {
       auto made = std::make_unique<CentralDifference>(setup.mesh, force, mass, inverse_mass, std::move(held),
-                                                      setup.damping, std::move(kicks), team);
+                                                      setup.damping, std::move(kicks),
+                                                      SubstepLimit(setup.mesh, setup.properties, force, inverse_mass,
+                                                                   setup.damping.stiffness_factor, setup.step, team),
+                                                      team);
       central_difference = made.get();
       return made;
     }
@@ -130,22 +113,6 @@ struct SolidModel::Parts {
     if (setup.method == TimeMethod::static_equilibrium)
       return std::make_unique<StaticSolution>(std::move(body), setup.statics);
     return std::make_unique<GeneralizedAlpha>(std::move(body), setup.damping, std::move(kicks), setup.implicit);
-  }
-
-  /// Only the central difference method has a limit.
-  void estimate_stable_step() {
-    if (!central_difference) return;
-    accepted.stable_step =
-        stable_step([&](const NodeVectors& u) { return force.internal_only(u); }, accepted.motion.displacement,
-                    inverse_mass, smallest_length, contact_rate_squared, setup.damping.stiffness_factor);
-    accepted.n_accepted_since_estimate = 0;
-    limit_substep();
-  }
-
-  void limit_substep() {
-    double largest = setup.step.safety * accepted.stable_step;
-    if (setup.step.largest_substep > 0) largest = std::min(largest, setup.step.largest_substep);
-    central_difference->limit_substep(largest);
   }
 
   /// The force at t = 0, before any interface load: pressures and planes may already act.
@@ -160,7 +127,8 @@ SolidModel::SolidModel(SolidSetup setup) : parts_(std::make_unique<Parts>(std::m
   p.accepted.method = p.setup.method;
   p.trial = p.accepted;
   p.find_first_force();
-  p.estimate_stable_step();
+  if (p.central_difference)
+    p.accepted.motion.estimate = p.central_difference->limit().estimate_at(p.accepted.motion.displacement);
 }
 
 SolidModel::~SolidModel() = default;
@@ -234,7 +202,7 @@ double SolidModel::element_seconds() const {
 }
 
 int SolidModel::n_substeps(double duration) const {
-  if (parts_->central_difference) return parts_->central_difference->n_substeps(duration);
+  if (parts_->central_difference) return parts_->central_difference->n_substeps(parts_->accepted.motion, duration);
   const double largest = parts_->setup.implicit.largest_substep;
   return largest > 0 ? n_equal_steps(duration, largest) : 1;
 }
@@ -243,6 +211,10 @@ void SolidModel::solve_step(double duration, const surface::NodeArray& interface
   Parts& p = *parts_;
   p.work_last = p.integrator->advance(p.accepted.motion, duration, interface_force, p.trial.motion);
   p.work_total.add(p.work_last);
+}
+
+void SolidModel::set_watch(StepWatch watch) {
+  parts_->integrator->set_watch(std::move(watch));
 }
 
 void SolidModel::align_time(double accepted_time) {
@@ -260,7 +232,7 @@ void SolidModel::accept_step() {
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
   p.energy.contact_distance = contact.smallest_distance;
-  if (++p.accepted.n_accepted_since_estimate >= p.setup.step.estimate_every) p.estimate_stable_step();
+  if (p.central_difference) p.central_difference->limit().accept(motion.displacement, p.accepted.motion.estimate);
 }
 
 void SolidModel::note_why_method(std::string reason) {
@@ -274,7 +246,6 @@ void SolidModel::resume(SolidState state) {
     *this = SolidModel(std::move(setup));
   }
   parts_->accepted = std::move(state);
-  if (parts_->central_difference) parts_->limit_substep();
 }
 
 std::size_t SolidModel::memory_bytes() const {

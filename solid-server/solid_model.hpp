@@ -9,6 +9,7 @@
 #include "solid-server/contact/surface_contact.hpp"
 #include "solid-server/dynamics/generalized_alpha.hpp"
 #include "solid-server/dynamics/static_solution.hpp"
+#include "solid-server/dynamics/substep_limit.hpp"
 #include "solid-server/load/dead_load.hpp"
 #include "solid-server/load/surface_pressure.hpp"
 #include "solid-server/mesh/wetted_surface.hpp"
@@ -23,12 +24,6 @@ struct Kick {
 };
 
 enum class TimeMethod { central_difference, generalized_alpha, static_equilibrium };
-
-struct StepControl {
-  double safety = 0.9;         // substep over the estimated stable step
-  double largest_substep = 0;  // [s]; 0: no other limit
-  int estimate_every = 1000;   // accepted steps between two estimates
-};
 
 /// Bodies and everything that acts on them. SI units.
 struct SolidSetup {
@@ -54,8 +49,6 @@ struct SolidSetup {
 /// What is kept from one accepted step to the next, and in a checkpoint.
 struct SolidState {
   Motion motion;
-  double stable_step = 0;  // as last estimated [s]
-  int n_accepted_since_estimate = 0;
   TimeMethod method = TimeMethod::central_difference;
   std::string why_method;  // one sentence when it was chosen by its cost; else empty
 };
@@ -87,8 +80,12 @@ class SolidModel {
   const WettedSurface& wetted() const;
 
   /// From the accepted state over `duration` [s] with the force on the wetted nodes at its end, (n wetted nodes, 3)
-  /// [N]. Throws NumericsError when an element is turned inside out or an implicit step has no solution.
+  /// [N]. Throws NumericsError when an element is turned inside out or an implicit step has no solution, Interrupted
+  /// when the watch gives the step up.
   void solve_step(double duration, const surface::NodeArray& interface_force);
+
+  /// From now on every step tells the watch how far it is.
+  void set_watch(StepWatch watch);
 
   /// The time of the accepted state as the coupler has it, which adds up steps with another round-off.
   void align_time(double accepted_time);

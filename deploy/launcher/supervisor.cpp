@@ -98,7 +98,7 @@ void Supervisor::read_signals() {
 void Supervisor::pass_on_stop_request() {
   if (ending_.stop_requested) return hurry();
   ending_.stop_requested = true;
-  console_.show("stopping after this step; once more to stop at once");
+  console_.show("stopping in good order; once more to stop at once");
   console_.log("couplet", "asked to stop");
   const auto leader = std::find_if(programs_.begin(), programs_.end(), [](const Program& p) { return p.is_leader; });
   if (leader == programs_.end() || !leader->process.is_running()) return hurry();

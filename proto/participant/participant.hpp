@@ -2,6 +2,7 @@
 // A physics program as the coupler sees it, whatever lies between them.
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -62,6 +63,10 @@ class Participant {
   /// Solves [start, start + duration] from the last accepted state, given the needed fields at the end of the step.
   /// Repeating it, with any interval, changes nothing but the trial state: equal arguments give equal bits.
   virtual StepSolved solve_step(const StepInterval& interval, const surface::FieldSet& fields) = 0;
+
+  /// From now on a long solve_step calls this now and then with the time that it has reached [s]; when it answers
+  /// false, the step is given up with report::Interrupted. A participant whose steps are short need not.
+  virtual void watch_steps(std::function<bool(double time)>) {}
 
   /// solve_step in two halves, so that two participants can work at the same time. A participant in this process simply
   /// works in the first half; one behind a channel overrides both.

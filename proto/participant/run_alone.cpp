@@ -186,14 +186,23 @@ double AloneRun::next_duration() const {
 
 void AloneRun::solve_all() {
   report::Progress progress(clock_.time, scene_.time().end(), options_.quiet);
+  participant_.watch_steps([&](double time) {
+    progress.reach(time);
+    return !stop_was_asked();
+  });
   while (!is_at_end() && !stop_was_asked()) {
     if (options_.steps > 0 && clock_.step - first_step_ >= options_.steps) break;
-    take_step(next_duration());
+    try {
+      take_step(next_duration());
+    } catch (const report::Interrupted&) {
+      break;  // the accepted state is that of the step before
+    }
     progress.step(clock_.step, clock_.time, 0, 0);
     const auto& output = scene_.output();
     if (output.has_checkpoints() && clock_.step % std::max(1, output.checkpoints().every_steps()) == 0)
       write_checkpoint();
   }
+  participant_.watch_steps({});
   progress.finish();
 }
 

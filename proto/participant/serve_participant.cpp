@@ -49,6 +49,7 @@ class Server {
       : channel_(channel), participant_(participant), options_(options) {}
 
   void serve() {
+    participant_.watch_steps([this](double) { return !(options_.should_end && options_.should_end()); });
     try {
       while (state_ != SessionState::closed) {
         if (auto message = channel_.receive(wire::deadline_in(glance))) answer(*message);

@@ -44,6 +44,11 @@ struct PeerError : Failure {
   PeerError(std::string where, std::string sentence, std::string advice = {})
       : Failure(FailureKind::peer, std::move(where), std::move(sentence), std::move(advice)) {}
 };
+/// Work that was given up half-way because the program was asked to end; nothing was wrong with it.
+struct Interrupted : PeerError {
+  explicit Interrupted(std::string where)
+      : PeerError(std::move(where), "asked to end by a signal", "results are complete up to the last step") {}
+};
 struct FileError : Failure {
   FileError(std::string where, std::string sentence, std::string advice = {})
       : Failure(FailureKind::file, std::move(where), std::move(sentence), std::move(advice)) {}

@@ -80,6 +80,15 @@ void Progress::step(std::int64_t step, double time, int iterations, double resid
   state_.time = time;
   state_.iterations = iterations;
   state_.residual = residual;
+  print_now_and_then();
+}
+
+void Progress::reach(double time) {
+  state_.time = time;
+  print_now_and_then();
+}
+
+void Progress::print_now_and_then() {
   if (quiet_) return;
   const auto now = Clock::now();
   const auto pause = is_terminal_ ? std::chrono::milliseconds(100) : std::chrono::milliseconds(10000);
@@ -88,11 +97,11 @@ void Progress::step(std::int64_t step, double time, int iterations, double resid
 
 void Progress::print(Clock::time_point now) {
   const double seconds = std::chrono::duration<double>(now - printed_at_).count();
-  if (seconds > 0 && state_.step > printed_step_) {
+  if (seconds > 0 && state_.step > printed_step_)
     state_.steps_per_second =
         smoothed(state_.steps_per_second, static_cast<double>(state_.step - printed_step_) / seconds);
+  if (seconds > 0 && state_.time > printed_time_)
     state_.simulated_per_second = smoothed(state_.simulated_per_second, (state_.time - printed_time_) / seconds);
-  }
   printed_at_ = now;
   printed_step_ = state_.step;
   printed_time_ = state_.time;

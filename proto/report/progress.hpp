@@ -32,10 +32,13 @@ class Progress {
 
   /// After every accepted step; prints at most ten times a second on a terminal, every ten seconds elsewhere.
   void step(std::int64_t step, double time, int iterations, double residual);
+  /// In the midst of a long step, likewise.
+  void reach(double time);
   /// Prints the last step and ends the line.
   void finish();
 
  private:
+  void print_now_and_then();
   void print(std::chrono::steady_clock::time_point now);
 
   ProgressState state_;

@@ -21,15 +21,16 @@ constexpr Eigen::Index width = NodeVectors::ColsAtCompileTime;
 }  // namespace
 
 CentralDifference::CentralDifference(const SolidMesh& mesh, NodalForce& force, Eigen::VectorXd mass,
-                                     NodeVectors inverse_mass, HeldMotion held, Damping damping,
-                                     std::vector<KickVelocity> kicks, WorkTeam& team)
+                                     const NodeVectors& inverse_mass, HeldMotion held, Damping damping,
+                                     std::vector<KickVelocity> kicks, SubstepLimit limit, WorkTeam& team)
     : mesh_(mesh),
       force_(force),
       mass_(std::move(mass)),
-      inverse_mass_(std::move(inverse_mass)),
+      inverse_mass_(inverse_mass),
       held_(std::move(held)),
       damping_(damping),
       kicks_(std::move(kicks)),
+      limit_(std::move(limit)),
       team_(team),
       is_strain_damped_(damping.stiffness_factor > 0) {
   if (is_strain_damped_) strained_ = NodeVectors::Zero(inverse_mass_.rows(), 4);
@@ -37,47 +38,76 @@ CentralDifference::CentralDifference(const SolidMesh& mesh, NodalForce& force, E
   for (KickVelocity& kick : kicks_) kick.velocity.array() *= (inverse_mass_.array() > 0).cast<double>();
 }
 
-int CentralDifference::n_substeps(double duration) const {
-  return n_equal_steps(duration, largest_substep_);
+int CentralDifference::n_substeps(const Motion& from, double duration) const {
+  return n_equal_steps(duration, limit_.largest(from.estimate));
 }
 
 StepWork CentralDifference::advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
                                     Motion& to) {
-  const int n_substeps = this->n_substeps(duration);
-  plan(from, duration, n_substeps, to);
-  force_.forget_findings();
   force_.external().set_interface_load(from.has_interface_force ? from.interface_force : interface_force,
                                        interface_force);
   if (!from.has_interface_force) to.force = from.force + force_.external().interface_load_at_start();
   const double* first_force = (from.has_interface_force ? from.force : to.force).data();
+  to.estimate = from.estimate;
+  to.n_kicks_done = from.n_kicks_done;
 
+  StepWork work;
+  double done = 0;  // [s]
+  for (bool is_last = false; !is_last;) {
+    const double left = duration - done;
+    const int n_left = n_equal_steps(left, limit_.largest(to.estimate));
+    const int n_pieces = (n_left + SubstepLimit::n_between_looks - 1) / SubstepLimit::n_between_looks;
+    is_last = n_pieces == 1;
+    Piece piece{from.time + done, left, done / duration, left / duration, n_left};
+    if (!is_last) {
+      piece.n_substeps = (n_left + n_pieces - 1) / n_pieces;
+      piece.duration = left / n_left * piece.n_substeps;
+      piece.fraction = piece.duration / duration;
+    }
+    advance_piece(work.n_substeps == 0 ? from : to, piece, first_force, to);
+    first_force = to.force.data();
+    done += piece.duration;
+    work.n_substeps += piece.n_substeps;
+    to.estimate.n_substeps += piece.n_substeps;
+    to.estimate.n_unseen += piece.n_substeps;
+    if (!is_last) limit_.look(to.displacement, to.estimate);
+  }
+  to.time = from.time + duration;
+  to.interface_force = interface_force;
+  to.has_interface_force = true;
+  return work;
+}
+
+void CentralDifference::advance_piece(const Motion& from, const Piece& piece, const double* first_force, Motion& to) {
+  plan(piece, to);
+  force_.forget_findings();
+  is_given_up_ = false;
   team_.run([&](int member) {
     start(from, first_force, share_of(static_cast<int>(inverse_mass_.rows()), member, team_.n_members()), to);
     if (!held_.is_empty()) {
       team_.barrier();
       if (member == 0) hold(0, to);
     }
-    for (int k = 0; k < n_substeps; ++k) {
+    for (int k = 0; k < piece.n_substeps; ++k) {
       if (!substep(member, k, to)) return;  // for all members at once
       if (held_.is_empty()) continue;
       team_.barrier();
       if (member == 0) hold(k + 1, to);
     }
   });
-  if (const Index element = force_.inverted_element(); element >= 0) {
-    for (const Substep& substep : substeps_) held_.check_finite(substep.end);
-    throw report::NumericsError(
-        "solid, t = " + report::text(from.time) + " to " + report::text(from.time + duration) + " s",
-        mesh_.describe_element(element) + " at rest is turned inside out",
-        "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
-        "resists strong compression better than saint_venant_kirchhoff");
-  }
-  to.time = from.time + duration;
-  to.interface_force = interface_force;
-  to.has_interface_force = true;
-  StepWork work;
-  work.n_substeps = n_substeps;
-  return work;
+  refuse_inverted(piece);
+  if (is_given_up_) throw report::Interrupted("solid, t = " + report::text(piece.begin) + " s");
+}
+
+void CentralDifference::refuse_inverted(const Piece& piece) const {
+  const Index element = force_.inverted_element();
+  if (element < 0) return;
+  for (const Substep& substep : substeps_) held_.check_finite(substep.end);
+  throw report::NumericsError(
+      "solid, t = " + report::text(piece.begin) + " to " + report::text(piece.begin + piece.duration) + " s",
+      mesh_.describe_element(element) + " at rest is turned inside out",
+      "check the loads; lower solid.time_integration.safety or time.step; mooney_rivlin "
+      "resists strong compression better than saint_venant_kirchhoff");
 }
 
 /// Prescribed nodes after k substeps: the place at the end of the next one, with the velocity that leads there; after
@@ -93,29 +123,30 @@ void CentralDifference::hold(int k, Motion& to) {
 }
 
 NodeVectors CentralDifference::support_force(const Motion& motion) const {
+  const double h = limit_.largest(motion.estimate);
   NodeVectors force = -motion.force;
   for (std::size_t n = 0; n < held_.components().size(); ++n) {
     const auto& [node, axis] = held_.components()[n];
-    force(node, axis) += mass_[node] * (held_.acceleration(n, motion.time, largest_substep_) +
-                                        damping_.at(motion.time) * held_.velocity(n, motion.time, largest_substep_));
+    force(node, axis) += mass_[node] * (held_.acceleration(n, motion.time, h) +
+                                        damping_.at(motion.time) * held_.velocity(n, motion.time, h));
   }
   return (inverse_mass_.array() > 0).select(0, force);
 }
 
 std::size_t CentralDifference::memory_bytes() const {
-  return static_cast<std::size_t>(inverse_mass_.size() + strained_.size()) * sizeof(double);
+  return static_cast<std::size_t>(strained_.size()) * sizeof(double) + limit_.memory_bytes();
 }
 
-/// Damping factors and kicks of the substeps.
-void CentralDifference::plan(const Motion& from, double duration, int n_substeps, Motion& to) {
-  start_time_ = from.time;
-  h_ = duration / n_substeps;
-  substeps_.resize(static_cast<std::size_t>(n_substeps));
-  to.n_kicks_done = from.n_kicks_done;
-  for (int k = 0; k < n_substeps; ++k) {
+/// Times, damping factors and kicks of the substeps.
+void CentralDifference::plan(const Piece& piece, Motion& to) {
+  start_time_ = piece.begin;
+  h_ = piece.duration / piece.n_substeps;
+  substeps_.resize(static_cast<std::size_t>(piece.n_substeps));
+  for (int k = 0; k < piece.n_substeps; ++k) {
     Substep& substep = substeps_[static_cast<std::size_t>(k)];
-    const double begin = from.time + k * h_;
-    substep.end = from.time + (k + 1) * h_;
+    const double begin = piece.begin + k * h_;
+    substep.end = piece.begin + (k + 1) * h_;
+    substep.fraction = piece.first_fraction + static_cast<double>(k + 1) / piece.n_substeps * piece.fraction;
     substep.damping_factor = std::exp(-damping_.at(begin + h_ / 2) * h_ / 2);
     substep.kick = nullptr;
     const auto next = static_cast<std::size_t>(to.n_kicks_done);
@@ -142,7 +173,8 @@ void CentralDifference::start(const Motion& from, const double* force, Share nod
 }
 
 /// The force at the end of substep k; the second half kick; if another substep follows, its first half kick and drift.
-/// Each node moves on as soon as its force is known. False when an element is turned inside out.
+/// Each node moves on as soon as its force is known. False when an element is turned inside out or the watch
+/// gives the step up.
 bool CentralDifference::substep(int member, int k, Motion& to) {
   const auto n_substeps = static_cast<int>(substeps_.size());
   const Substep& last = substeps_[static_cast<std::size_t>(k)];
@@ -151,7 +183,7 @@ bool CentralDifference::substep(int member, int k, Motion& to) {
   double* const velocity = to.velocity.data();
   double* const displacement = to.displacement.data();
   const bool is_last = k == n_substeps - 1;
-  const Moment moment{last.end, static_cast<double>(k + 1) / n_substeps, is_last};
+  const Moment moment{last.end, last.fraction, is_last};
 
   if (is_last)
     return visit_all(member, displacement, moment, [&](Index node, const NodeQuad& force) {
@@ -181,6 +213,7 @@ inline void CentralDifference::note_strained(Eigen::Index node, const NodeQuad& 
 template <class Visit>
 bool CentralDifference::visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit) {
   team_.barrier();
+  if (member == 0) is_given_up_ = !goes_on(moment.time);  // all have read it in the substep before
   if (force_.has_surface_contact()) {
     if (member == 0) force_.search_contact(displacement);
     team_.barrier();
@@ -191,7 +224,7 @@ bool CentralDifference::visit_all(int member, const double* displacement, const 
   team_.barrier();
   force_.sweep(member, strained_at(displacement), moment, visit);
   team_.barrier();
-  if (force_.inverted_element() >= 0) return false;
+  if (force_.inverted_element() >= 0 || is_given_up_) return false;
   force_.visit_shared(member, visit);
   return true;
 }

@@ -2,6 +2,7 @@
 // The central difference method, written so that displacement, velocity and force belong to the same time.
 
 #include "solid-server/dynamics/motion.hpp"
+#include "solid-server/dynamics/substep_limit.hpp"
 #include "solid-server/dynamics/time_integrator.hpp"
 
 namespace couplet::solid {
@@ -14,18 +15,20 @@ namespace couplet::solid {
 /// Liu, Moran 2000, ch. 6]; the strain energy that is reported is that at u + beta v too. The interface load
 /// varies linearly in time from the accepted to the given force. A kick is added at the start of the substep that
 /// begins nearest to its time. Prescribed nodes follow their displacements exactly at every substep.
+///
+/// A long step is made in pieces of at most 64 equal substeps. Between them the limit of substeps is looked at, and
+/// every law looks for inverted elements.
 class CentralDifference : public TimeIntegrator {
  public:
-  /// `mass`: (n_nodes) [kg].
-  CentralDifference(const SolidMesh& mesh, NodalForce& force, Eigen::VectorXd mass, NodeVectors inverse_mass,
-                    HeldMotion held, Damping damping, std::vector<KickVelocity> kicks, WorkTeam& team);
+  /// `mass`: (n_nodes) [kg]. `inverse_mass` must outlive this.
+  CentralDifference(const SolidMesh& mesh, NodalForce& force, Eigen::VectorXd mass, const NodeVectors& inverse_mass,
+                    HeldMotion held, Damping damping, std::vector<KickVelocity> kicks, SubstepLimit limit,
+                    WorkTeam& team);
 
-  /// No substep is longer from now on [s].
-  void limit_substep(double largest) { largest_substep_ = largest; }
-  int n_substeps(double duration) const;  // that a step takes now
+  SubstepLimit& limit() { return limit_; }
+  int n_substeps(const Motion& from, double duration) const;  // that a step takes, if elements keep their lengths
 
-  /// In equal substeps. Allocates nothing in them. Throws NumericsError naming element and time when an element is
-  /// turned inside out.
+  /// Allocates nothing in substeps. Throws NumericsError naming element and time when an element is turned inside out.
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
   NodeVectors mass_times(const NodeVectors& vector) const override { return mass_.asDiagonal() * vector; }
   NodeVectors support_force(const Motion& motion) const override;
@@ -34,11 +37,20 @@ class CentralDifference : public TimeIntegrator {
  private:
   struct Substep {
     double end = 0;                // [s]
+    double fraction = 0;           // of the coupling step, at its end
     double damping_factor = 1;     // d
     const double* kick = nullptr;  // added at its start
   };
 
-  void plan(const Motion& from, double duration, int n_substeps, Motion& to);
+  /// A part of a coupling step, from one share of it to another.
+  struct Piece {
+    double begin, duration;           // [s]
+    double first_fraction, fraction;  // at its begin; of its duration
+    int n_substeps;
+  };
+  void advance_piece(const Motion& from, const Piece& piece, const double* first_force, Motion& to);
+  void refuse_inverted(const Piece& piece) const;
+  void plan(const Piece& piece, Motion& to);
   void start(const Motion& from, const double* force, Share nodes, Motion& to);
   bool substep(int member, int k, Motion& to);
   template <class Visit>
@@ -53,14 +65,15 @@ class CentralDifference : public TimeIntegrator {
 
   const SolidMesh& mesh_;
   NodalForce& force_;
-  Eigen::VectorXd mass_;      // (n_nodes) [kg]
-  NodeVectors inverse_mass_;  // (n_nodes, 4), 0 where a support holds [1/kg]
+  Eigen::VectorXd mass_;             // (n_nodes) [kg]
+  const NodeVectors& inverse_mass_;  // (n_nodes, 4), 0 where a support holds [1/kg]
   HeldMotion held_;
   Damping damping_;
   std::vector<KickVelocity> kicks_;  // rising in time
+  SubstepLimit limit_;
   WorkTeam& team_;
-  double largest_substep_ = 0;     // [s]
-  double start_time_ = 0, h_ = 0;  // of the step, substep [s]
+  double start_time_ = 0, h_ = 0;  // of the piece, substep [s]
+  bool is_given_up_ = false;       // by the watch; written by member 0 between barriers
   std::vector<Substep> substeps_;
   bool is_strain_damped_;
   NodeVectors strained_;  // u + beta v (n_nodes, 4) [m]; empty without damping by stiffness

@@ -19,6 +19,15 @@ struct KeptFactors {
   bool are_worn = false;              // new ones cost less than going on with them
 };
 
+/// The stable step of the central difference method as last estimated, and what has happened since.
+struct StepEstimate {
+  double stable_step = 0;                           // [s]
+  std::shared_ptr<const NodeVectors> displacement;  // where; shared, since it never changes (n_nodes, 4) [m]
+  int n_accepted = 0, n_substeps = 0;               // since then: accepted steps, substeps
+  int n_unseen = 0;                                 // substeps since the last look at lengths in elements
+  double change = 0;                                // of these lengths as last seen, see LengthChange
+};
+
 /// Displacement, velocity and force at the same time: the complete state of the central difference method; with the
 /// acceleration that of implicit ones.
 struct Motion {
@@ -28,6 +37,7 @@ struct Motion {
   surface::NodeArray interface_force;  // (n wetted nodes, 3) [N]
   bool has_interface_force = false;    // false before the first step: its load is then taken as constant
   int n_kicks_done = 0;
+  StepEstimate estimate;     // of the central difference method
   NodeVectors acceleration;  // of implicit steps (n_nodes, 4) [m/s^2]; without rows: not known yet, or explicit
   int n_halvings = 0;        // of the substep, after iterations that failed
   KeptFactors factors;       // of implicit and static steps

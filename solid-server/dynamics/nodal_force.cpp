@@ -61,13 +61,30 @@ NodeVectors NodalForce::collect(const NodeVectors& displacement, const Moment& m
   return force;
 }
 
-NodeVectors NodalForce::internal_only(const NodeVectors& displacement) {
+template <class Evaluate>
+void NodalForce::without_external_parts(const Evaluate& evaluate) {
   const std::vector<StoredPack> kept(buffer_.begin() + static_cast<std::ptrdiff_t>(plan_.n_element_packs),
                                      buffer_.end());
   std::fill_n(external_buffer(), external_.n_packs(), StoredPack{});
-  NodeVectors force = collect(displacement, {});
+  evaluate();
   std::copy(kept.begin(), kept.end(), external_buffer());
+}
+
+NodeVectors NodalForce::internal_only(const NodeVectors& displacement) {
+  NodeVectors force;
+  without_external_parts([&] { force = collect(displacement, {}); });
   return force;
+}
+
+void NodalForce::internal_only(const NodeVectors& displacement, WorkTeam& team, NodeVectors& force) {
+  const auto keep = [&](Index node, const NodeQuad& sum) { std::memcpy(&force(node, 0), &sum, sizeof sum); };
+  without_external_parts([&] {
+    team.run([&](int member) {
+      sweep(member, displacement.data(), {}, keep);
+      team.barrier();
+      visit_shared(member, keep);
+    });
+  });
 }
 
 NodeVectors NodalForce::all(const NodeVectors& displacement, const Moment& moment) {

@@ -7,6 +7,7 @@
 #include "solid-server/assembly/block_properties.hpp"
 #include "solid-server/assembly/sweep_plan.hpp"
 #include "solid-server/dynamics/external_force.hpp"
+#include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/internal_force.hpp"
 
 namespace couplet::solid {
@@ -59,8 +60,9 @@ class NodalForce {
     visit_nodes(plan_.first_shared_visit[m], plan_.first_shared_visit[m + 1], visit);
   }
 
-  /// The internal force alone, by one thread: (n_nodes, 4) [N].
-  NodeVectors internal_only(const NodeVectors& displacement);
+  /// The internal force alone, (n_nodes, 4) [N].
+  NodeVectors internal_only(const NodeVectors& displacement);  // by one thread
+  void internal_only(const NodeVectors& displacement, WorkTeam& team, NodeVectors& force);
   /// All forces, by one thread: (n_nodes, 4) [N].
   NodeVectors all(const NodeVectors& displacement, const Moment& moment);
 
@@ -94,6 +96,9 @@ class NodalForce {
   void compute(int member, const SweepPlan::Chunk& chunk, const double* displacement, const Moment& moment);
   std::vector<const ElementPacks*> element_packs() const;
   NodeVectors collect(const NodeVectors& displacement, const Moment& moment);
+  /// Calls evaluate with no force from outside the elements.
+  template <class Evaluate>
+  void without_external_parts(const Evaluate& evaluate);
   void note(const ElementFindings& findings);
 
   Index n_nodes_;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "proto/report/failure.hpp"
@@ -45,13 +46,16 @@ inline int n_equal_steps(double duration, double largest) {
       "solid.time_integration.method: GENERALIZED_ALPHA or STATIC");
 }
 
+/// Called now and then in a step with the time that it has reached [s]; false: give the step up.
+using StepWatch = std::function<bool(double time)>;
+
 class TimeIntegrator {
  public:
   virtual ~TimeIntegrator() = default;
 
   /// From one motion over `duration` [s] to another, under an interface force, (n wetted nodes, 3) [N], that varies
   /// linearly in time to the one given at the end. `from` stays as it is, and equal arguments give equal bits, whatever
-  /// was asked in between. Throws NumericsError when it cannot.
+  /// was asked in between. Throws NumericsError when it cannot, Interrupted when the watch gives the step up.
   virtual StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force,
                            Motion& to) = 0;
 
@@ -61,6 +65,14 @@ class TimeIntegrator {
   virtual NodeVectors support_force(const Motion& motion) const = 0;
 
   virtual std::size_t memory_bytes() const = 0;
+
+  void set_watch(StepWatch watch) { watch_ = std::move(watch); }
+
+ protected:
+  bool goes_on(double time) const { return !watch_ || watch_(time); }
+
+ private:
+  StepWatch watch_;
 };
 
 }  // namespace couplet::solid

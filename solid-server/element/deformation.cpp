@@ -14,6 +14,17 @@ ReferencePoint reference_point(ElementShape shape, const ElementVectors& positio
   return out;
 }
 
+std::vector<TabulatedPoint> tabulate(ElementShape shape, const std::vector<QuadraturePoint>& points) {
+  std::vector<TabulatedPoint> table;
+  for (const QuadraturePoint& point : points)
+    table.push_back({point.weight, shape_values(shape, point.xi), shape_gradient(shape, point.xi)});
+  return table;
+}
+
+Eigen::Matrix3d jacobian(const ElementVectors& position, const TabulatedPoint& point) {
+  return position.transpose().lazyProduct(point.natural_gradient);
+}
+
 Tensor<double> deformation_gradient(const ElementVectors& displacement, const ReferencePoint& point) {
   const Eigen::Matrix3d gradient = displacement.transpose() * point.gradient;
   Tensor<double> F;

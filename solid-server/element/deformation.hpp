@@ -30,6 +30,16 @@ struct ReferencePoint {
 
 ReferencePoint reference_point(ElementShape shape, const ElementVectors& position, const QuadraturePoint& point);
 
+/// A point of quadrature and dN_a/dxi_k there, found once for all elements of a block.
+struct TabulatedPoint {
+  double weight = 0;
+  ShapeValues<max_element_nodes> value;
+  ShapeGradient<max_element_nodes, 3> natural_gradient;
+};
+std::vector<TabulatedPoint> tabulate(ElementShape shape, const std::vector<QuadraturePoint>& points);
+/// dX_J/dxi_k, (J, k) [m].
+Eigen::Matrix3d jacobian(const ElementVectors& position, const TabulatedPoint& point);
+
 /// F = I + sum_a u_a (x) dN_a/dX.
 Tensor<double> deformation_gradient(const ElementVectors& displacement, const ReferencePoint& point);
 

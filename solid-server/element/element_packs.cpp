@@ -1,5 +1,6 @@
 #include "solid-server/element/element_packs.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -31,16 +32,17 @@ std::vector<Index> fill_lanes(const ElementBlock& block) {
 
 /// dxi_k/dX_J and volume at the points, then what the formulation needs of the whole element.
 std::vector<double> geometry_at_points(const SolidMesh& mesh, const ElementBlock& block, Index element,
-                                       const std::vector<QuadraturePoint>& points, ElementFormulation formulation) {
+                                       const std::vector<QuadraturePoint>& points,
+                                       const std::vector<TabulatedPoint>& table, ElementFormulation formulation) {
   const ElementVectors position = at_element(mesh.node_position, block.nodes_of(element));
   std::vector<double> geometry, volume;
-  for (const QuadraturePoint& point : points) {
-    const ReferencePoint reference = reference_point(block.shape, position, point);
-    if (!(reference.volume > 0)) refuse_folded(mesh, block.first_element + element);
+  for (const TabulatedPoint& point : table) {
+    const Eigen::Matrix3d J_at_point = jacobian(position, point), inverse = J_at_point.inverse();
+    volume.push_back(J_at_point.determinant() * point.weight);
+    if (!(volume.back() > 0)) refuse_folded(mesh, block.first_element + element);
     for (int k = 0; k < 3; ++k)
-      for (int J = 0; J < 3; ++J) geometry.push_back(reference.inverse_jacobian(k, J));
-    geometry.push_back(reference.volume);
-    volume.push_back(reference.volume);
+      for (int J = 0; J < 3; ++J) geometry.push_back(inverse(k, J));
+    geometry.push_back(volume.back());
   }
   if (formulation == ElementFormulation::near_incompressible)
     for (const double entry : inverse_gram_matrix(block.shape, points, volume)) geometry.push_back(entry);
@@ -58,12 +60,13 @@ std::vector<double> stabilised_geometry(const SolidMesh& mesh, const ElementBloc
 /// Geometry of the eight elements of a pack.
 std::vector<StoredPack> geometry_of(const SolidMesh& mesh, const ElementBlock& block,
                                     const std::array<Index, n_lanes>& elements,
-                                    const std::vector<QuadraturePoint>& points, ElementFormulation formulation) {
+                                    const std::vector<QuadraturePoint>& points,
+                                    const std::vector<TabulatedPoint>& table, ElementFormulation formulation) {
   std::vector<StoredPack> geometry;
   for (std::size_t lane = 0; lane < n_lanes; ++lane) {
     const auto of_element = formulation == ElementFormulation::stabilised
                                 ? stabilised_geometry(mesh, block, elements[lane])
-                                : geometry_at_points(mesh, block, elements[lane], points, formulation);
+                                : geometry_at_points(mesh, block, elements[lane], points, table, formulation);
     geometry.resize(of_element.size());
     for (std::size_t n = 0; n < of_element.size(); ++n) geometry[n].lane[lane] = of_element[n];
   }
@@ -114,6 +117,7 @@ bool are_alike(const std::vector<StoredPack>& a, const StoredPack* b, const std:
 ElementPacks make_element_packs(const SolidMesh& mesh, const ElementBlock& block, int n_points,
                                 ElementFormulation formulation) {
   const auto points = element_quadrature(block.shape, n_points);
+  const auto table = tabulate(block.shape, points);
   ElementPacks packs;
   packs.shape = block.shape;
   packs.formulation = formulation;
@@ -144,7 +148,7 @@ ElementPacks make_element_packs(const SolidMesh& mesh, const ElementBlock& block
         packs.node_start.push_back(NodeVectors::ColsAtCompileTime * block.nodes_of(element)[a]);
     if (!block.axes.empty()) store_axes(block, elements, packs.axes);
 
-    const auto geometry = geometry_of(mesh, block, elements, points, formulation);
+    const auto geometry = geometry_of(mesh, block, elements, points, table, formulation);
     if (per_layer > 0 && p >= per_layer) {
       const Index below = packs.geometry_start[static_cast<std::size_t>(p - per_layer)];
       const auto kinds = sizes_of_kinds(formulation, points.size(), geometry.size());

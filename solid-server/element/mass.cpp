@@ -1,5 +1,7 @@
 #include "solid-server/element/mass.hpp"
 
+#include <Eigen/LU>
+
 #include "solid-server/element/deformation.hpp"
 
 namespace couplet::solid {
@@ -8,15 +10,15 @@ Eigen::VectorXd lumped_mass(const SolidMesh& mesh, const std::vector<double>& de
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(mesh.n_nodes());
   for (std::size_t b = 0; b < mesh.block.size(); ++b) {
     const ElementBlock& block = mesh.block[b];
-    const auto points = element_quadrature(block.shape, n_mass_points(block.shape));
+    const auto points = tabulate(block.shape, element_quadrature(block.shape, n_mass_points(block.shape)));
     for (Index element = 0; element < block.n_elements(); ++element) {
       const auto nodes = block.nodes_of(element);
       const ElementVectors position = at_element(mesh.node_position, nodes);
       ShapeValues<max_element_nodes> diagonal = ShapeValues<max_element_nodes>::Zero(position.rows());
       double total = 0;
-      for (const QuadraturePoint& point : points) {
-        const double mass_at_point = density[b] * reference_point(block.shape, position, point).volume;
-        diagonal += mass_at_point * shape_values(block.shape, point.xi).cwiseAbs2();
+      for (const TabulatedPoint& point : points) {
+        const double mass_at_point = density[b] * jacobian(position, point).determinant() * point.weight;
+        diagonal += mass_at_point * point.value.cwiseAbs2();
         total += mass_at_point;
       }
       diagonal *= total / diagonal.sum();
@@ -30,15 +32,14 @@ Eigen::VectorXd row_sums_of_mass(const SolidMesh& mesh, const std::vector<double
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(mesh.n_nodes());
   for (std::size_t b = 0; b < mesh.block.size(); ++b) {
     const ElementBlock& block = mesh.block[b];
-    const auto points = element_quadrature(block.shape, n_mass_points(block.shape));
+    const auto points = tabulate(block.shape, element_quadrature(block.shape, n_mass_points(block.shape)));
     for (Index element = 0; element < block.n_elements(); ++element) {
       const auto nodes = block.nodes_of(element);
       const ElementVectors position = at_element(mesh.node_position, nodes);
-      for (const QuadraturePoint& point : points) {
-        const auto shape = shape_values(block.shape, point.xi);
-        const double mass_at_point = density[b] * reference_point(block.shape, position, point).volume;
+      for (const TabulatedPoint& point : points) {
+        const double mass_at_point = density[b] * jacobian(position, point).determinant() * point.weight;
         for (std::size_t a = 0; a < nodes.size(); ++a)
-          sums[nodes[a]] += mass_at_point * shape[static_cast<Eigen::Index>(a)];
+          sums[nodes[a]] += mass_at_point * point.value[static_cast<Eigen::Index>(a)];
       }
     }
   }

@@ -74,8 +74,10 @@ ElementFindings near_incompressible_force(const ForceRequest& request, const Mat
         if constexpr (Law::has_volumetric_part) {
           if (request.packs.shape == ElementShape::tetrahedron10)
             return force_of_packs<ProjectedVolume<AnyPointGradient<10, 4>>>(request, law);
-          return request.packs.n_points == 8 ? force_of_packs<ProjectedVolume<EightPointGradient>>(request, law)
-                                             : force_of_packs<ProjectedVolume<AnyPointGradient<20, 27>>>(request, law);
+          if (request.packs.n_points == 8) return force_of_packs<ProjectedVolume<EightPointGradient>>(request, law);
+          if (request.packs.n_points == 27)
+            return force_of_packs<ProjectedVolume<TwentySevenPointGradient>>(request, law);
+          return force_of_packs<ProjectedVolume<AnyPointGradient<20, 14>>>(request, law);
         } else {
           __builtin_unreachable();  // refused by check_formulation
         }

@@ -1,9 +1,10 @@
 #pragma once
-// Derivatives of nodal values at the points of eight elements, and the transpose: by butterflies where they serve, by
-// sums over the nodes elsewhere.
+// Derivatives of nodal values at the points of eight elements, and the transpose: by the element's polynomial where it
+// serves, by sums over the nodes elsewhere.
 
 #include "solid-server/element/eight_point_gradient.hpp"
 #include "solid-server/element/packed_force.hpp"
+#include "solid-server/element/twenty_seven_point_gradient.hpp"
 
 namespace couplet::solid {
 
@@ -38,6 +39,21 @@ struct EightPointGradient {
                                                                 const Pack (&flux)[max_points][3][3],
                                                                 NodePacks<n_nodes>& f) {
     for (int i = 0; i < 3; ++i) eight_points::transposed_gradient(flux, i, f);
+  }
+};
+
+/// Likewise with 27 points.
+struct TwentySevenPointGradient {
+  static constexpr int n_nodes = 20, max_points = 27;
+
+  [[gnu::always_inline]] static inline void gradient(const ElementPacks&, const NodePacks<n_nodes>& u,
+                                                     Pack (&slope)[max_points][3][3]) {
+    for (int i = 0; i < 3; ++i) twenty_seven_points::gradient(u, i, slope);
+  }
+  [[gnu::always_inline]] static inline void transposed_gradient(const ElementPacks&,
+                                                                const Pack (&flux)[max_points][3][3],
+                                                                NodePacks<n_nodes>& f) {
+    for (int i = 0; i < 3; ++i) twenty_seven_points::transposed_gradient(flux, i, f);
   }
 };
 

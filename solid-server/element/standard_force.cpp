@@ -18,23 +18,24 @@ template <bool with_energy, class Law>
   if constexpr (with_energy || Law::needs_positive_volume) sum.is_sound &= determinant(F, cofactor(F)) > 0.0;
 }
 
-/// 20-node hexahedra with eight points.
-struct EightPoints {
-  static constexpr int n_nodes = 20;
+/// 20-node hexahedra with 8 or 27 points: the gradients of all points at once.
+template <class Gradient>
+struct AllPoints {
+  static constexpr int n_nodes = Gradient::n_nodes;
 
   template <bool with_energy, class Law>
   [[gnu::always_inline]] static inline PackSum force(const ElementPacks& packs, const Law& law,
                                                      const LocalAxes<Pack>& axes, const StoredPack* geometry,
                                                      const NodePacks<n_nodes>& u, NodePacks<n_nodes>& f) {
-    Pack slope[8][3][3];
+    Pack slope[Gradient::max_points][3][3];
     PackSum sum;
-    EightPointGradient::gradient(packs, u, slope);
-    for (int q = 0; q < 8; ++q) {
+    Gradient::gradient(packs, u, slope);
+    for (int q = 0; q < Gradient::max_points; ++q) {
       Pack flux[3][3];
       answer<with_energy>(law, axes, slope[q], geometry + 10 * q, flux, sum);
       std::memcpy(&slope[q], &flux, sizeof flux);
     }
-    EightPointGradient::transposed_gradient(packs, slope, f);
+    Gradient::transposed_gradient(packs, slope, f);
     return sum;
   }
 };
@@ -72,8 +73,9 @@ ElementFindings standard_force(const ForceRequest& request, const Material& mate
           case ElementShape::hexahedron8:
             return force_of_packs<AnyPoints<8>>(request, law);
           case ElementShape::hexahedron20:
-            return request.packs.n_points == 8 ? force_of_packs<EightPoints>(request, law)
-                                               : force_of_packs<AnyPoints<20>>(request, law);
+            if (request.packs.n_points == 8) return force_of_packs<AllPoints<EightPointGradient>>(request, law);
+            if (request.packs.n_points == 27) return force_of_packs<AllPoints<TwentySevenPointGradient>>(request, law);
+            return force_of_packs<AnyPoints<20>>(request, law);
         }
         __builtin_unreachable();
       },

@@ -81,7 +81,7 @@ std::vector<participant::NamedNumber> estimate_solid(const participant::OpenRequ
   double seconds_per_step = 0;
   if (model.accepted().method == TimeMethod::central_difference) {
     const double seconds = seconds_of_substep(model, step);
-    numbers.push_back({"stable_step", model.accepted().stable_step, "s"});
+    numbers.push_back({"stable_step", model.accepted().motion.estimate.stable_step, "s"});
     numbers.push_back({"seconds_per_substep", seconds, "s"});
     seconds_per_step = seconds * n_substeps;
   } else {

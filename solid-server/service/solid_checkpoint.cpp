@@ -7,7 +7,7 @@ namespace couplet::solid {
 
 namespace {
 
-constexpr const char* layout = "couplet solid 2";
+constexpr const char* layout = "couplet solid 3";
 
 NodeVectors read_nodes(const store::Hdf5File& file, const std::string& name, Eigen::Index n_nodes) {
   const surface::NodeArray values = file.read(name);
@@ -19,6 +19,26 @@ NodeVectors read_nodes(const store::Hdf5File& file, const std::string& name, Eig
   NodeVectors nodes = NodeVectors::Zero(n_nodes, 4);
   nodes.leftCols<3>() = values;
   return nodes;
+}
+
+void write_estimate(store::Hdf5File& file, const StepEstimate& estimate) {
+  file.write_number("stable_step", estimate.stable_step);
+  file.write("estimate_displacement", estimate.displacement->leftCols<3>());
+  file.write_integer("estimate_accepted", estimate.n_accepted);
+  file.write_integer("estimate_substeps", estimate.n_substeps);
+  file.write_integer("estimate_unseen", estimate.n_unseen);
+  file.write_number("estimate_change", estimate.change);
+}
+
+StepEstimate read_estimate(const store::Hdf5File& file, Eigen::Index n_nodes) {
+  StepEstimate estimate;
+  estimate.stable_step = file.read_number("stable_step");
+  estimate.displacement = std::make_shared<const NodeVectors>(read_nodes(file, "estimate_displacement", n_nodes));
+  estimate.n_accepted = static_cast<int>(file.read_integer("estimate_accepted"));
+  estimate.n_substeps = static_cast<int>(file.read_integer("estimate_substeps"));
+  estimate.n_unseen = static_cast<int>(file.read_integer("estimate_unseen"));
+  estimate.change = file.read_number("estimate_change");
+  return estimate;
 }
 
 /// What the factors were made from: the same numbers give the same factors.
@@ -65,11 +85,10 @@ void write_checkpoint(const std::string& path, const SolidState& state) {
   file.write("interface_force", motion.interface_force);
   file.write_integer("has_interface_force", motion.has_interface_force);
   file.write_integer("kicks_done", motion.n_kicks_done);
-  file.write_number("stable_step", state.stable_step);
-  file.write_integer("accepted_since_estimate", state.n_accepted_since_estimate);
   file.write_integer("method", static_cast<int>(state.method));
   file.write_text("why_method", state.why_method);
   file.write_integer("halvings", motion.n_halvings);
+  if (motion.estimate.displacement) write_estimate(file, motion.estimate);
   if (motion.acceleration.rows() > 0) file.write("acceleration", motion.acceleration.leftCols<3>());
   if (motion.factors.origin) write_factors(file, motion.factors);
   file.close();
@@ -90,11 +109,10 @@ SolidState read_checkpoint(const std::string& path, const SolidState& like) {
   motion.interface_force = read_nodes(file, "interface_force", like.motion.interface_force.rows()).leftCols<3>();
   motion.has_interface_force = file.read_integer("has_interface_force") != 0;
   motion.n_kicks_done = static_cast<int>(file.read_integer("kicks_done"));
-  state.stable_step = file.read_number("stable_step");
-  state.n_accepted_since_estimate = static_cast<int>(file.read_integer("accepted_since_estimate"));
   state.method = static_cast<TimeMethod>(file.read_integer("method"));
   state.why_method = file.read_text("why_method");
   motion.n_halvings = static_cast<int>(file.read_integer("halvings"));
+  if (file.contains("stable_step")) motion.estimate = read_estimate(file, n_nodes);
   if (file.contains("acceleration")) motion.acceleration = read_nodes(file, "acceleration", n_nodes);
   if (file.contains("factor_time")) motion.factors = read_factors(file, n_nodes);
   return state;

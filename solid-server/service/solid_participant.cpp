@@ -64,6 +64,7 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   if (!model_->accepted().why_method.empty())
     std::cerr << "solid-server: time integration: " << model_->accepted().why_method << '\n';
 
+  model_->set_watch(goes_on_);
   model_->n_substeps(request.scene.time().step());  // refuses a step without end before anything is written
   if (is_new) warn_of_contact_at_rest();
 
@@ -85,6 +86,11 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   opened.offers = {"displacement", "velocity"};
   opened.fields = fields_at_surface(motion);
   return opened;
+}
+
+void SolidParticipant::watch_steps(std::function<bool(double time)> goes_on) {
+  goes_on_ = std::move(goes_on);
+  if (model_) model_->set_watch(goes_on_);
 }
 
 participant::StepSolved SolidParticipant::solve_step(const participant::StepInterval& interval,

@@ -20,6 +20,7 @@ class SolidParticipant : public participant::Participant {
   explicit SolidParticipant(participant::ServerOptions options) : options_(options) {}
 
   participant::Opened open(const participant::OpenRequest& request) override;
+  void watch_steps(std::function<bool(double time)> goes_on) override;
   participant::StepSolved solve_step(const participant::StepInterval& interval,
                                      const surface::FieldSet& fields) override;
   std::vector<participant::NamedNumber> accept_step(std::int64_t step) override;
@@ -35,6 +36,7 @@ class SolidParticipant : public participant::Participant {
   surface::NodeArray received_force(const surface::FieldSet& fields) const;
 
   participant::ServerOptions options_;
+  std::function<bool(double time)> goes_on_;
   std::unique_ptr<SolidModel> model_;
   std::unique_ptr<ResultOutput> results_;
   OfferedSurface offered_;

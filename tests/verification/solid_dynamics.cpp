@@ -193,16 +193,17 @@ double largest_motion(SolidSetup setup, double safety) {
                     return Eigen::Vector3d(1e-3 * std::sin(40 * x.y()), 1e-3 * std::cos(50 * x.z()), 0);
                   }}};
   SolidModel model(setup);
-  for (int n = 0; n < 100; ++n) advance(model, 50 * safety * model.accepted().stable_step);
+  for (int n = 0; n < 100; ++n) advance(model, 50 * safety * model.accepted().motion.estimate.stable_step);
   return model.accepted().motion.displacement.cwiseAbs().maxCoeff();
 }
 
 TEST(Damping, ByStiffnessShortensTheStableStepAsItIsSaidTo) {
   SolidSetup setup = rubber_cube();
   setup.supports.fixed = {"x_min"};
-  const double undamped = SolidModel(setup).accepted().stable_step;
+  const double undamped = SolidModel(setup).accepted().motion.estimate.stable_step;
   setup.damping.stiffness_factor = undamped;  // zeta = 1 at the highest frequency
-  EXPECT_NEAR(SolidModel(setup).accepted().stable_step, (std::sqrt(2.0) - 1) * undamped, 1e-9 * undamped);
+  EXPECT_NEAR(SolidModel(setup).accepted().motion.estimate.stable_step, (std::sqrt(2.0) - 1) * undamped,
+              1e-9 * undamped);
   EXPECT_LE(largest_motion(setup, 0.99), 1e-4);
   EXPECT_THROW(largest_motion(setup, 1.05), report::NumericsError);
 }
@@ -238,7 +239,6 @@ TEST(UniaxialPressure, ReachesTheHomogeneousSolution) {
   const double pressure = 3908.9929 / (1.1121292 * 1.1121292);
   setup.pressures = {{"x_max", [=](double t) { return pressure * std::min(1.0, t / 0.02); }}};
   setup.damping = {0, 1, 600};
-  setup.step.estimate_every = 1;  // flattened elements need smaller substeps than those at rest
   SolidModel model(setup);
   for (int n = 0; n < 150; ++n) advance(model, 1e-3);
   const auto& u = model.accepted().motion.displacement;
@@ -273,7 +273,7 @@ TEST(StableStep, IsJustBelowTheExactOne) {
       setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
       setup.properties = {{material, 1100, n_points}};
       setup.supports.fixed = {"x_min"};
-      const double found = SolidModel(setup).accepted().stable_step;
+      const double found = SolidModel(setup).accepted().motion.estimate.stable_step;
       const double exact = 2 / std::sqrt(largest_eigenvalue(setup));
       EXPECT_LE(found, exact * (1 + 1e-6));  // the stiffness is applied as a difference of forces
       EXPECT_GE(found, 0.99 * exact);

@@ -115,7 +115,7 @@ SolidSetup plucked_beam() {
 TEST(LongImplicitSteps, AreStableAndAccurateAtAHundredTimesTheExplicitLimit) {
   SolidSetup setup = plucked_beam();
   SolidModel by_substeps(setup);
-  const double limit = by_substeps.accepted().stable_step, step = 100 * limit;
+  const double limit = by_substeps.accepted().motion.estimate.stable_step, step = 100 * limit;
   const int n_steps = static_cast<int>(std::ceil(0.4 / step));
   setup.method = TimeMethod::generalized_alpha;
   SolidModel model(setup);

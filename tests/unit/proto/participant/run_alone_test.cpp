@@ -28,6 +28,7 @@ constexpr double frequency = 50;  // [Hz]
 class CirclingPoint : public Participant {
  public:
   std::function<void(std::int64_t)> before_step = [](std::int64_t) {};
+  std::function<bool(double)> goes_on;
   std::string closed_for;
   surface::FieldSet load;
 
@@ -47,6 +48,8 @@ class CirclingPoint : public Participant {
     mesh.marker = {{"B1", 0}};
     return {mesh, time, {"force"}, {"displacement"}, {displacement()}};
   }
+
+  void watch_steps(std::function<bool(double)> watch) override { goes_on = std::move(watch); }
 
   StepSolved solve_step(const StepInterval& interval, const surface::FieldSet& fields) override {
     before_step(interval.step);
@@ -228,6 +231,22 @@ TEST_F(RunAlone, EndsAfterTheStepInWhichASignalComes) {
   EXPECT_EQ(summary("run")["status"], "stopped");
   EXPECT_EQ(summary("run")["steps"], 60);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "run/checkpoint/step-0000000060/complete")) << "to go on from";
+}
+
+TEST_F(RunAlone, EndsInTheMidstOfALongStep) {
+  const auto interrupted = [&] {
+    point_.before_step = [&](std::int64_t step) {
+      if (!point_.goes_on(0)) std::exit(9);  // nobody has asked yet
+      if (step == 60) std::raise(SIGTERM);
+      if (!point_.goes_on(0)) throw report::Interrupted("step 60");
+    };
+    run_alone(point_, scene_, options_);
+    std::exit(point_.closed_for == "stopped" ? 7 : 8);
+  };
+  EXPECT_EXIT(interrupted(), testing::ExitedWithCode(7), "");
+  EXPECT_EQ(summary("run")["status"], "stopped");
+  EXPECT_EQ(summary("run")["steps"], 59);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "run/checkpoint/step-0000000059/complete")) << "to go on from";
 }
 
 TEST_F(RunAlone, RefusesToResumeWithOtherColumns) {

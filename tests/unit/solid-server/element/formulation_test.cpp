@@ -220,10 +220,11 @@ TEST_P(Element, HasAStableStepFromItsHighestFrequency) {
   for (int i = 0; i < 3; ++i) inverse_mass.col(i) = mass.cwiseInverse();
   const NodeVectors u = NodeVectors::Zero(mesh.n_nodes(), 4);
   NodalForce body(mesh, {p}, ExternalForce(mesh, {}, {}, {}), 1);
-  const double step =
-      stable_step([&](const NodeVectors& at) { return body.internal_only(at); }, u, inverse_mass, 0.3, 0);
-
   WorkTeam team(1);
+  const double step =
+      stable_step([&](const NodeVectors& at, NodeVectors& force) { body.internal_only(at, team, force); }, u,
+                  inverse_mass, 0.3, 0, team);
+
   TangentSolver solver(mesh, {p}, FreeComponents::Constant(mesh.n_nodes(), 3, true), team);
   solver.assemble(u, {});
   NodeVectors mode = scattered(mesh);
