@@ -74,6 +74,7 @@ struct SolidModel::Parts {
   WettedSurface wetted;
   Eigen::VectorXd mass;      // (n_nodes) [kg]
   NodeVectors inverse_mass;  // (n_nodes, 4) [1/kg]
+  std::vector<SupportComponents> supports;
   NodalForce force;
   WorkTeam team;
   CentralDifference* central_difference = nullptr;  // the integrator, when it is this one
@@ -89,6 +90,7 @@ struct SolidModel::Parts {
         wetted(make_wetted_surface(setup.mesh, setup.wetted)),
         mass(lumped_mass(setup.mesh, densities(setup.properties))),
         inverse_mass(solid::inverse_mass(setup.mesh, mass, setup.supports)),
+        supports(support_components(setup.mesh, setup.supports)),
         force(setup.mesh, setup.properties,
               ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes, contact_pairs(setup)),
               setup.n_threads),
@@ -174,11 +176,11 @@ Eigen::Vector3d SolidModel::angular_momentum() const {
   return sum;
 }
 std::vector<Reaction> SolidModel::reactions() const {
-  const NodeVectors force = parts_->integrator->support_force(parts_->accepted.motion);
   std::vector<Reaction> reactions;
-  for (const SupportComponents& support : support_components(parts_->setup.mesh, parts_->setup.supports)) {
+  for (const SupportComponents& support : parts_->supports) {
     reactions.push_back({support.name});
-    for (const auto& [node, axis] : support.components) reactions.back().force[axis] += force(node, axis);
+    const auto force = parts_->integrator->support_force(parts_->accepted.motion, support.components);
+    for (std::size_t n = 0; n < force.size(); ++n) reactions.back().force[support.components[n].axis] += force[n];
   }
   return reactions;
 }

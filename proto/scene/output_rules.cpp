@@ -33,7 +33,8 @@ void probes_are_on_the_solid(const v1::Scene& scene, Review& review) {
   }
 }
 
-// NAME.x, NAME.y and NAME.z are the columns of a probe; other columns are known to the servers only.
+// NAME.x, NAME.y and NAME.z are the columns of a probe; other columns are known to the servers only, solid.reaction...
+// too.
 void column_has_its_probe(const std::string& column, const v1::Output& output, const std::string& path,
                           Review& review) {
   const std::size_t dot = column.rfind('.');

@@ -122,15 +122,17 @@ void CentralDifference::hold(int k, Motion& to) {
     note_strained(node, quad(to.displacement.data(), node), quad(to.velocity.data(), node));
 }
 
-NodeVectors CentralDifference::support_force(const Motion& motion) const {
+std::vector<double> CentralDifference::support_force(const Motion& motion,
+                                                     const std::vector<HeldMotion::Component>& held) const {
   const double h = limit_.largest(motion.estimate);
-  NodeVectors force = -motion.force;
-  for (std::size_t n = 0; n < held_.components().size(); ++n) {
-    const auto& [node, axis] = held_.components()[n];
-    force(node, axis) += mass_[node] * (held_.acceleration(n, motion.time, h) +
-                                        damping_.at(motion.time) * held_.velocity(n, motion.time, h));
+  std::vector<double> force;
+  for (const auto& [node, axis] : held) {
+    force.push_back(-motion.force(node, axis));
+    if (const auto n = held_.number_of({node, axis}))
+      force.back() += mass_[node] * (held_.acceleration(*n, motion.time, h) +
+                                     damping_.at(motion.time) * held_.velocity(*n, motion.time, h));
   }
-  return (inverse_mass_.array() > 0).select(0, force);
+  return force;
 }
 
 std::size_t CentralDifference::memory_bytes() const {

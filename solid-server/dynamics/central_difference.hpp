@@ -31,7 +31,8 @@ class CentralDifference : public TimeIntegrator {
   /// Allocates nothing in substeps. Throws NumericsError naming element and time when an element is turned inside out.
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
   NodeVectors mass_times(const NodeVectors& vector) const override { return mass_.asDiagonal() * vector; }
-  NodeVectors support_force(const Motion& motion) const override;
+  std::vector<double> support_force(const Motion& motion,
+                                    const std::vector<HeldMotion::Component>& held) const override;
   std::size_t memory_bytes() const override;
 
  private:

@@ -128,6 +128,10 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
 }
 
 void SolidParticipant::warn_of_contact_at_rest() const {
+  for (const Reaction& reaction : model_->reactions())
+    for (int axis = 0; axis < 3; ++axis)
+      numbers.push_back(
+          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
   const double force = model_->contact_force_at_rest();
   if (force > 0)
     std::cerr << "solid-server: warning: t = 0 s: a body stands beyond a rigid plane at rest and is pushed back with "
@@ -157,10 +161,6 @@ void SolidParticipant::add_implicit_numbers(std::vector<participant::NamedNumber
   numbers.push_back({"solid.residual", work.residual, "1"});
   if (model_->accepted().method == TimeMethod::static_equilibrium)
     numbers.push_back({"solid.negative_pivots", static_cast<double>(work.n_negative_pivots), "1"});
-  for (const Reaction& reaction : model_->reactions())
-    for (int axis = 0; axis < 3; ++axis)
-      numbers.push_back(
-          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
 }
 
 std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {

@@ -126,9 +126,13 @@ TEST(SolidParticipant, ReportsTheSameQuantitiesAtEveryStep) {
   Driven driven(request(solid_text + flow_text));
   for (int n = 0; n < 7; ++n) {
     driven.go();
-    EXPECT_THAT(names(driven.numbers),
-                testing::ElementsAre("solid.kinetic_energy", "solid.strain_energy", "solid.contact_energy",
-                                     "solid.contact_force", "solid.substeps"));
+    EXPECT_THAT(
+        names(driven.numbers),
+        testing::ElementsAre("solid.kinetic_energy", "solid.strain_energy", "solid.contact_energy",
+                             "solid.contact_force", "solid.substeps", "solid.reaction.lateral.x",
+                             "solid.reaction.lateral.y", "solid.reaction.lateral.z", "solid.reaction.anterior.x",
+                             "solid.reaction.anterior.y", "solid.reaction.anterior.z", "solid.reaction.posterior.x",
+                             "solid.reaction.posterior.y", "solid.reaction.posterior.z"));
   }
   EXPECT_GT(driven.numbers[0].value, 0);
   EXPECT_GE(driven.numbers[4].value, 1);
