@@ -141,6 +141,9 @@ const SolidMesh& SolidModel::mesh() const {
   return parts_->setup.mesh;
 }
 const WettedSurface& SolidModel::wetted() const {
+const std::vector<BlockProperties>& SolidModel::properties() const {
+  return parts_->setup.properties;
+}
   return parts_->wetted;
 }
 const SolidState& SolidModel::trial() const {

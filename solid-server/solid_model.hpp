@@ -84,6 +84,7 @@ class SolidModel {
   /// when the watch gives the step up.
   void solve_step(double duration, const surface::NodeArray& interface_force);
 
+  const std::vector<BlockProperties>& properties() const;  // of each block of the mesh
   /// From now on every step tells the watch how far it is.
   void set_watch(StepWatch watch);
 

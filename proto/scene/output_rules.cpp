@@ -73,6 +73,18 @@ void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& p
 }
 
 }  // namespace
+void fields_of_the_solid_are_stored(const v1::Scene& scene, Review& review) {
+  const auto& fields = scene.solid().field();
+  for (int i = 0; i < fields.size(); ++i)
+    if (std::find(fields.begin(), fields.begin() + i, fields[i]) != fields.begin() + i)
+      review.complain("solid.field[" + std::to_string(i) + "]",
+                      v1::Solid::Field_Name(fields[i]) + " stands there already; name each once");
+  if (!fields.empty() && !scene.output().has_results_interval())
+    review.complain("solid.field[0]",
+                    "is never stored; give output.results_interval, the time between two stored states");
+}
+
+}  // namespace
 
 void check_output_rules(const v1::Scene& scene, Review& review) {
   const v1::Output& output = scene.output();
@@ -80,6 +92,7 @@ void check_output_rules(const v1::Scene& scene, Review& review) {
   names_differ(output.quantity(), "quantity", "quantity", review);
   probes_are_on_the_solid(scene, review);
   for (int i = 0; i < output.quantity_size(); ++i) {
+  fields_of_the_solid_are_stored(scene, review);
     quantity_can_be_computed(output.quantity(i), entry("quantity", i), scene, review);
   }
 }

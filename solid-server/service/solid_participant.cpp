@@ -69,8 +69,7 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   if (is_new) warn_of_contact_at_rest();
 
   const Motion& motion = model_->accepted().motion;
-  results_ = std::make_unique<ResultOutput>(request.scene.output(), request.run_folder,
-                                            request.scene.solid().body(0).name(), model_->mesh(), motion.time);
+  results_ = std::make_unique<ResultOutput>(request.scene, request.run_folder, *model_);
   results_->accept(motion);
 
   needs_force_ = request.scene.has_flow();
