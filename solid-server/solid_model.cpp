@@ -107,6 +107,7 @@ struct SolidModel::Parts {
                                                                    setup.damping.stiffness_factor, setup.step, team),
                                                       team);
       central_difference = made.get();
+      if (setup.keeps_energy_balance) made->keep_ledger();
       return made;
     }
     auto body = std::make_unique<BodyEquations>(setup.mesh, setup.properties, free_components(inverse_mass),
@@ -140,10 +141,10 @@ SolidModel& SolidModel::operator=(SolidModel&&) noexcept = default;
 const SolidMesh& SolidModel::mesh() const {
   return parts_->setup.mesh;
 }
-const WettedSurface& SolidModel::wetted() const {
 const std::vector<BlockProperties>& SolidModel::properties() const {
   return parts_->setup.properties;
 }
+const WettedSurface& SolidModel::wetted() const {
   return parts_->wetted;
 }
 const SolidState& SolidModel::trial() const {
@@ -237,6 +238,8 @@ void SolidModel::accept_step() {
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
   p.energy.contact_distance = contact.smallest_distance;
+  if (p.central_difference && p.setup.keeps_energy_balance)
+    p.energy.flow = EnergyFlow{motion.external_work, motion.damping_work};
   if (p.central_difference) p.central_difference->limit().accept(motion.displacement, p.accepted.motion.estimate);
 }
 

@@ -37,6 +37,7 @@ void probes_are_on_the_solid(const v1::Scene& scene, Review& review) {
 // too.
 void column_has_its_probe(const std::string& column, const v1::Output& output, const std::string& path,
                           Review& review) {
+  if (column.starts_with("solid.")) return;
   const std::size_t dot = column.rfind('.');
   if (dot == std::string::npos || dot + 2 != column.size() || column[dot + 1] < 'x' || column[dot + 1] > 'z') return;
   const std::string name = column.substr(0, dot);
@@ -72,7 +73,6 @@ void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& p
   window_ends_in_the_run(quantity, path, scene.time().end(), review);
 }
 
-}  // namespace
 void fields_of_the_solid_are_stored(const v1::Scene& scene, Review& review) {
   const auto& fields = scene.solid().field();
   for (int i = 0; i < fields.size(); ++i)
@@ -91,8 +91,8 @@ void check_output_rules(const v1::Scene& scene, Review& review) {
   names_differ(output.probe(), "probe", "probe", review);
   names_differ(output.quantity(), "quantity", "quantity", review);
   probes_are_on_the_solid(scene, review);
-  for (int i = 0; i < output.quantity_size(); ++i) {
   fields_of_the_solid_are_stored(scene, review);
+  for (int i = 0; i < output.quantity_size(); ++i) {
     quantity_can_be_computed(output.quantity(i), entry("quantity", i), scene, review);
   }
 }

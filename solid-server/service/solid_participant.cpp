@@ -119,18 +119,25 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
       {"solid.contact_force", energy.contact_force, "N"},
       {"solid.substeps", static_cast<double>(model_->work_of_last_step().n_substeps), "1"}};
   if (model_->may_lose_stiffness()) numbers.push_back(softened_elements());
+  if (energy.flow) {
+    const auto& [work, damping] = *energy.flow;
+    numbers.push_back({"solid.external_work", work, "J"});
+    numbers.push_back({"solid.damping_work", damping, "J"});
+    numbers.push_back(
+        {"solid.energy_imbalance", energy.kinetic + energy.strain + energy.contact - work + damping, "J"});
+  }
   if (energy.contact_distance) numbers.push_back({"solid.contact_distance", *energy.contact_distance, "m"});
   if (!is_explicit()) add_implicit_numbers(numbers);
+  for (const Reaction& reaction : model_->reactions())
+    for (int axis = 0; axis < 3; ++axis)
+      numbers.push_back(
+          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
   for (Orifice& orifice : orifices_)
     numbers.push_back({orifice.name(), orifice.area(model_->accepted().motion.displacement), "m^2"});
   return numbers;
 }
 
 void SolidParticipant::warn_of_contact_at_rest() const {
-  for (const Reaction& reaction : model_->reactions())
-    for (int axis = 0; axis < 3; ++axis)
-      numbers.push_back(
-          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
   const double force = model_->contact_force_at_rest();
   if (force > 0)
     std::cerr << "solid-server: warning: t = 0 s: a body stands beyond a rigid plane at rest and is pushed back with "

@@ -241,6 +241,34 @@ TEST(SolidParticipant, StoresStatesAtTheWantedTimesAlsoAfterAResume) {
   EXPECT_EQ(reader.field_names(), (std::vector<std::string>{"displacement", "velocity"}));
 }
 
+TEST(SolidParticipant, StoresTheFieldsThatTheSceneNames) {
+  const auto folder = fresh_folder("solid_fields");
+  auto open_request = request(solid_text + "output { results_interval: 2e-5 }");
+  open_request.run_folder = folder.string();
+  for (const auto field : {v1::Solid::CAUCHY_STRESS, v1::Solid::REGION_NUMBER, v1::Solid::VOLUME_RATIO})
+    open_request.scene.mutable_solid()->add_field(field);
+  Driven driven(open_request);
+  for (int n = 0; n < 8; ++n) driven.go();  // past the kick
+  driven.solid.close("done");
+  const store::ResultReader reader(folder / "results", "fold");
+  EXPECT_THAT(reader.field_names(), testing::ElementsAre("displacement", "velocity", "cauchy_stress", "volume_ratio"));
+  ASSERT_EQ(reader.n_states(), 9U);
+  EXPECT_EQ(reader.field(0, "cauchy_stress").cols(), 6);
+  EXPECT_GT(reader.field(8, "cauchy_stress").cwiseAbs().maxCoeff(), 1);  // [Pa]
+  EXPECT_EQ(reader.mesh().cell_number.front().value.size(), 24U);
+}
+
+TEST(SolidParticipant, ReportsTheEnergyBalanceWhenAsked) {
+  auto open_request = request(solid_text);
+  open_request.scene.mutable_solid()->set_energy_balance(true);
+  Driven driven(open_request);
+  for (int n = 0; n < 8; ++n) driven.go();
+  EXPECT_GT(value_of(driven.numbers, "solid.external_work"), 0);
+  EXPECT_GT(value_of(driven.numbers, "solid.damping_work"), 0);
+  EXPECT_LE(std::abs(value_of(driven.numbers, "solid.energy_imbalance")),
+            1e-2 * value_of(driven.numbers, "solid.external_work"));  // (omega h)^2/8 of the modes that move
+}
+
 TEST(SolidParticipant, WritesNothingWithoutARunFolder) {
   Driven driven(request(solid_text + "output { results_interval: 4e-5 }"));
   EXPECT_NO_THROW(driven.go());
