@@ -107,7 +107,7 @@ struct ResultWriter::State {
 void ResultWriter::State::learn_fields(const surface::FieldSet& of_nodes, const surface::FieldSet& of_cells) {
   const auto learn = [&](const surface::Field& field, bool is_of_cells) {
     assert(field.values.rows() == (is_of_cells ? n_cells : mesh.node_position.rows()));
-    assert(field.values.cols() == 1 || field.values.cols() == 3 || field.values.cols() == 6);
+    assert(field.values.cols() == 1 || field.values.cols() == 3 || field.values.cols() == 9);
     fields.push_back({field.name, field.values.cols(), is_of_cells});
   };
   for (const surface::Field& field : of_nodes) {

@@ -51,7 +51,7 @@ class ResultWriter {
   ResultWriter(ResultWriter&&) noexcept;
 
   /// Fields of the nodes and of the cells at a time, (n_nodes or n_cells, n), stored in single precision: the same
-  /// fields every time. n = 1, 3, or 6 for a symmetric tensor: xx, xy, xz, yy, yz, zz. A node field named displacement
+  /// fields every time. n = 1, 3, or 9 for a tensor, row by row. A node field named displacement
   /// moves the picture: nodes are drawn at their moved position. Throws FileError when the disk is full.
   void append(double time, const surface::FieldSet& fields, const surface::FieldSet& cell_fields = {});
 

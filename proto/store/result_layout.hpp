@@ -13,9 +13,9 @@
 //     cell_field_names text                     of cells, likewise
 //     n_states        integer (1)               states that are complete in this block
 //     time            double (n_slots)          [s]
-//     state/I/NAME    float (n_nodes or n_cells, n)  field NAME of the block's state I = 0, 1, ...; n = 6: xx, xy,
-//     xz,
-//                                               yy, yz, zz of a symmetric tensor
+//     state/I/NAME    float (n_nodes or n_cells, n)
+//                                               field NAME of the block's state I = 0, 1, ...; n = 9: a tensor row by
+//                                               row, since readers disagree on the order of six numbers
 //     state/I/position float (n_nodes, 3)       moved nodes, where the fields have a displacement
 
 #include <array>

@@ -68,7 +68,7 @@ std::string topology(const XdmfMesh& mesh) {
 }
 
 std::string attribute_type(std::int64_t n_components) {
-  return n_components == 1 ? "Scalar" : n_components == 3 ? "Vector" : "Tensor6";
+  return n_components == 1 ? "Scalar" : n_components == 3 ? "Vector" : "Tensor";
 }
 
 std::string attribute(const std::string& name, const std::string& type, const std::string& center,

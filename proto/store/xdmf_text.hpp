@@ -11,7 +11,7 @@ namespace couplet::store {
 
 struct XdmfField {
   std::string name;
-  std::int64_t n_components = 1;  // 1, 3 or 6, a symmetric tensor
+  std::int64_t n_components = 1;  // 1, 3 or 9, a tensor
   bool is_of_cells = false;       // else of nodes
 };
 

@@ -26,6 +26,13 @@ Eigen::Matrix3d stress_tensor(const Columns& columns, Eigen::Index row) {
   return stress;
 }
 
+/// All nine numbers of the stress, row by row.
+surface::NodeArray tensor_rows(const Columns& columns) {
+  surface::NodeArray rows(columns.rows(), 9);
+  for (Eigen::Index n = 0; n < columns.rows(); ++n) rows.row(n) = stress_tensor(columns, n).reshaped().transpose();
+  return rows;
+}
+
 /// sqrt(3/2 s : s), s = sigma - tr sigma/3 I.
 double von_mises(const Eigen::Matrix3d& stress) {
   return std::sqrt(1.5) * (stress - stress.trace() / 3 * Eigen::Matrix3d::Identity()).norm();
@@ -139,7 +146,7 @@ TissueState TissueFields::at(const NodeVectors& displacement) const {
   TissueState state;
   for (const TissueField field : wanted_) switch (field) {
       case TissueField::cauchy_stress:
-        state.at_nodes.push_back({"cauchy_stress", "Pa", mean.middleCols<6>(stress_at)});
+        state.at_nodes.push_back({"cauchy_stress", "Pa", tensor_rows(mean)});
         break;
       case TissueField::largest_principal_stress:
         state.at_nodes.push_back({"largest_principal_stress", "Pa", of_stress(largest_principal)});

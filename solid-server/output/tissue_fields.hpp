@@ -9,7 +9,7 @@
 namespace couplet::solid {
 
 enum class TissueField {
-  cauchy_stress,             // at nodes (n, 6): xx, xy, xz, yy, yz, zz [Pa]
+  cauchy_stress,             // at nodes (n, 9), row by row [Pa]
   largest_principal_stress,  // at nodes [Pa]; of the Cauchy stress there
   von_mises_stress,          // likewise
   volume_ratio,              // J at nodes [1]

@@ -43,9 +43,7 @@ Errors errors(ElementShape shape, ElementFormulation formulation, int n_points, 
   Errors found;
   for (Index node = 0; node < mesh.n_nodes(); ++node) {
     const Eigen::Matrix3d exact = exact_stress(mesh.node_position.row(node));
-    const Eigen::Vector<double, 6> difference =
-        stress.row(node).transpose() -
-        Eigen::Vector<double, 6>(exact(0, 0), exact(0, 1), exact(0, 2), exact(1, 1), exact(1, 2), exact(2, 2));
+    const Eigen::Matrix3d difference = Eigen::Matrix3d(stress.row(node).reshaped(3, 3)) - exact;
     found.largest = std::max(found.largest, difference.cwiseAbs().maxCoeff() / pressure);
     found.mean += difference.squaredNorm() / pressure / pressure / static_cast<double>(mesh.n_nodes());
   }

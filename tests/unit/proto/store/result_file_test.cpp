@@ -207,7 +207,7 @@ TEST(ResultFile, HoldsFieldsOfCellsTensorsAndNumbersAlsoWhenItIsContinued) {
   mesh.cell_number = {{"body_number", {0, 1}}, {"region_number", {4, 2}}};
   const auto append = [](ResultWriter& writer, int state) {
     FieldSet fields = fields_of(state);
-    fields.push_back({"cauchy_stress", "Pa", NodeArray::Constant(40, 6, 10 * state)});
+    fields.push_back({"cauchy_stress", "Pa", NodeArray::Constant(40, 9, 10 * state)});
     writer.append(time_of(state), fields, {{"fibre_direction", "1", NodeArray::Constant(2, 3, state)}});
   };
   {
@@ -224,11 +224,11 @@ TEST(ResultFile, HoldsFieldsOfCellsTensorsAndNumbersAlsoWhenItIsContinued) {
   EXPECT_EQ(reader.mesh().cell_number[1].name, "region_number");
   EXPECT_THAT(reader.mesh().cell_number[1].value, testing::ElementsAre(4, 2));
   for (std::size_t state = 0; state < 30; ++state) {
-    EXPECT_EQ(reader.field(state, "cauchy_stress"), NodeArray::Constant(40, 6, 10.0 * static_cast<double>(state)));
+    EXPECT_EQ(reader.field(state, "cauchy_stress"), NodeArray::Constant(40, 9, 10.0 * static_cast<double>(state)));
     EXPECT_EQ(reader.field(state, "fibre_direction"), NodeArray::Constant(2, 3, static_cast<double>(state)));
   }
   const std::string listing = text_of(folder / "solid.xmf");
-  EXPECT_EQ(count(listing, "Name=\"cauchy_stress\" AttributeType=\"Tensor6\" Center=\"Node\""), 30);
+  EXPECT_EQ(count(listing, "Name=\"cauchy_stress\" AttributeType=\"Tensor\" Center=\"Node\""), 30);
   EXPECT_EQ(count(listing, "Name=\"fibre_direction\" AttributeType=\"Vector\" Center=\"Cell\""), 30);
   EXPECT_EQ(count(listing, "solid.h5:/mesh/region_number"), 30);
   mesh.cell_number[1].value[0] = 3;

@@ -77,8 +77,7 @@ const surface::NodeArray& values(const surface::FieldSet& fields, const std::str
 }
 
 Matrix stress_at(const TissueState& state, Eigen::Index node) {
-  const auto s = values(state.at_nodes, "cauchy_stress").row(node);
-  return Matrix{{s[0], s[1], s[2]}, {s[1], s[3], s[4]}, {s[2], s[4], s[5]}};
+  return values(state.at_nodes, "cauchy_stress").row(node).reshaped<Eigen::RowMajor>(3, 3);
 }
 
 class TissueFieldsOf : public testing::TestWithParam<Case> {};
