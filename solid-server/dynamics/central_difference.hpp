@@ -29,7 +29,7 @@ class CentralDifference : public TimeIntegrator {
                     WorkTeam& team);
 
   SubstepLimit& limit() { return limit_; }
-  /// From now on steps find the work of loads and damping: some per cent to a third of a substep.
+  /// From now on steps find the work of loads and damping: a tenth to a fifth of a substep more.
   void keep_ledger() { ledger_.emplace(force_.external(), mass_, inverse_mass_, damping_.stiffness_factor); }
   int n_substeps(const Motion& from, double duration) const;  // that a step takes, if elements keep their lengths
 
