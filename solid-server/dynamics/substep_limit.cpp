@@ -48,7 +48,7 @@ SubstepLimit::SubstepLimit(const SolidMesh& mesh, const std::vector<BlockPropert
 
 /// What the safety leaves room for: at the default of 0.9, 6 % of length, where a step may shrink by 9 %.
 double SubstepLimit::free_change() const {
-  return 0.6 * (1 - control_.safety);
+  return std::max(0.0, 0.6 * (1 - control_.safety));
 }
 
 double SubstepLimit::largest(const StepEstimate& estimate) const {

@@ -4,6 +4,7 @@
 
 #include "solid-server/choose_time_method.hpp"
 #include "solid-server/service/make_setup.hpp"
+#include "solid-server/service/time_integration_warning.hpp"
 
 namespace couplet::solid {
 
@@ -60,6 +61,8 @@ std::vector<participant::NamedNumber> estimate_solid(const participant::OpenRequ
     setup.method = choice.method;
   }
   numbers.push_back({"time_integration", 0, "", choice.reason.empty() ? name_of(setup.method) : choice.reason});
+  if (const std::string warning = time_integration_warning(request.scene, setup.method); !warning.empty())
+    numbers.push_back({"warning", 0, "", warning});
   add_regions(setup, numbers);
 
   SolidModel model(std::move(setup));

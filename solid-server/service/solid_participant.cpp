@@ -11,6 +11,7 @@
 #include "solid-server/choose_time_method.hpp"
 #include "solid-server/service/make_setup.hpp"
 #include "solid-server/service/solid_checkpoint.hpp"
+#include "solid-server/service/time_integration_warning.hpp"
 
 namespace couplet::solid {
 
@@ -66,6 +67,8 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
 
   model_->set_watch(goes_on_);
   model_->n_substeps(request.scene.time().step());  // refuses a step without end before anything is written
+  if (const auto warning = time_integration_warning(request.scene, model_->accepted().method); !warning.empty())
+    std::cerr << "solid-server: warning: " << warning << '\n';
   if (is_new) warn_of_contact_at_rest();
 
   const Motion& motion = model_->accepted().motion;

@@ -301,6 +301,21 @@ TEST(Estimate, MeasuresImplicitAndStaticStepsByAFactorisation) {
   }
 }
 
+TEST(Estimate, WarnsOfALongRunWithoutNumericalDissipation) {
+  const auto warns = [](double spectral_radius, double end) {
+    auto open = request(solid_text);
+    open.scene.mutable_time()->set_end(end);
+    auto* integration = open.scene.mutable_solid()->mutable_time_integration();
+    integration->set_method(v1::TimeIntegration::GENERALIZED_ALPHA);
+    integration->set_spectral_radius(spectral_radius);
+    const auto found = names(estimate_solid(open, 1));
+    return std::count(found.begin(), found.end(), "warning") == 1;
+  };
+  EXPECT_TRUE(warns(1, 1));
+  EXPECT_FALSE(warns(0.99, 1));
+  EXPECT_FALSE(warns(1, 100 * coupling_step));
+}
+
 TEST(MeshSize, RefusesWhatCannotBeNumberedOrHeld) {
   auto large = request(solid_text).scene.solid();
   auto& fold = *large.mutable_body(0)->mutable_vocal_fold();
