@@ -87,6 +87,7 @@ struct SolidModel::Parts {
   WettedSurface wetted;
   Eigen::VectorXd mass;      // (n_nodes) [kg]
   NodeVectors inverse_mass;  // (n_nodes, 4) [1/kg]
+  std::vector<SupportComponents> supports;
   NodalForce force;
   WorkTeam team;
   CentralDifference* central_difference = nullptr;  // the integrator, when it is this one
@@ -102,6 +103,7 @@ struct SolidModel::Parts {
         wetted(make_wetted_surface(setup.mesh, setup.wetted)),
         mass(lumped_mass(setup.mesh, densities(setup.properties))),
         inverse_mass(solid::inverse_mass(setup.mesh, mass, setup.supports)),
+        supports(support_components(setup.mesh, setup.supports)),
         force(setup.mesh, setup.properties,
               ExternalForce(setup.mesh, wetted, prescribed_loads(setup, mass), setup.planes, contact_pairs(setup)),
               setup.n_threads),
@@ -121,6 +123,7 @@ struct SolidModel::Parts {
                                                                    setup.damping.stiffness_factor, setup.step, team),
                                                       team);
       central_difference = made.get();
+      if (setup.keeps_energy_balance) made->keep_ledger();
       return made;
     }
     if (setup.method == TimeMethod::static_equilibrium && setup.planes.empty() && setup.contacts.empty())
@@ -155,6 +158,9 @@ SolidModel& SolidModel::operator=(SolidModel&&) noexcept = default;
 
 const SolidMesh& SolidModel::mesh() const {
   return parts_->setup.mesh;
+}
+const std::vector<BlockProperties>& SolidModel::properties() const {
+  return parts_->setup.properties;
 }
 const WettedSurface& SolidModel::wetted() const {
   return parts_->wetted;
@@ -192,11 +198,11 @@ Eigen::Vector3d SolidModel::angular_momentum() const {
   return sum;
 }
 std::vector<Reaction> SolidModel::reactions() const {
-  const NodeVectors force = parts_->integrator->support_force(parts_->accepted.motion);
   std::vector<Reaction> reactions;
-  for (const SupportComponents& support : support_components(parts_->setup.mesh, parts_->setup.supports)) {
+  for (const SupportComponents& support : parts_->supports) {
     reactions.push_back({support.name});
-    for (const auto& [node, axis] : support.components) reactions.back().force[axis] += force(node, axis);
+    const auto force = parts_->integrator->support_force(parts_->accepted.motion, support.components);
+    for (std::size_t n = 0; n < force.size(); ++n) reactions.back().force[support.components[n].axis] += force[n];
   }
   return reactions;
 }
@@ -250,6 +256,8 @@ void SolidModel::accept_step() {
   p.energy.contact = contact.energy;
   p.energy.contact_force = contact.force;
   p.energy.contact_distance = contact.smallest_distance;
+  if (p.central_difference && p.setup.keeps_energy_balance)
+    p.energy.flow = EnergyFlow{motion.external_work, motion.damping_work};
   if (p.central_difference) p.central_difference->limit().accept(motion.displacement, p.accepted.motion.estimate);
 }
 

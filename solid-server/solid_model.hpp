@@ -45,6 +45,7 @@ struct SolidSetup {
   StepControl step;          // of the central difference method
   ImplicitControl implicit;  // of the generalized-alpha method
   StaticControl statics;
+  bool keeps_energy_balance = false;  // the central difference method finds work and damping
   int n_threads = 1;
 };
 
@@ -61,11 +62,17 @@ struct Reaction {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // [N]
 };
 
+/// What went into a body since t = 0 and what damping took, see EnergyLedger.
+struct EnergyFlow {
+  double external_work = 0, damping_work = 0;  // [J]
+};
+
 struct SolidEnergy {
   double kinetic = 0, strain = 0, contact = 0;  // [J]
   double contact_force = 0;                     // of rigid planes on bodies and of bodies on each other [N]
   std::optional<double> contact_distance;  // smallest one of surfaces that touch, their d0 when none does; negative
                                            // behind a surface; absent without contact of surfaces [m]
+  std::optional<EnergyFlow> flow;          // absent unless the setup asks for it, and with implicit methods
 };
 
 /// Two states: accepted and trial. solve_step always starts from the accepted one.
@@ -79,6 +86,7 @@ class SolidModel {
   SolidModel& operator=(SolidModel&&) noexcept;
 
   const SolidMesh& mesh() const;
+  const std::vector<BlockProperties>& properties() const;  // of each block of the mesh
   const WettedSurface& wetted() const;
 
   /// From the accepted state over `duration` [s] with the force on the wetted nodes at its end, (n wetted nodes, 3)

@@ -68,8 +68,8 @@ def round_down(value):
 class Painter:
     """The bodies of a run, ready to be drawn. Moved places are rest plus `enlarged` times displacement."""
 
-    def __init__(self, bodies, moments, may_enlarge=True):
-        self.bodies, self.moments = bodies, moments
+    def __init__(self, bodies, moments, may_enlarge=True, scalar=None):
+        self.bodies, self.moments, self.scalar = bodies, moments, scalar
         self.faces = [outer_faces(body) for body in bodies]
         self.used = [numpy.unique(numpy.concatenate([faces.ravel() for faces in groups])) for groups in self.faces]
         n_faces = sum(len(faces) for groups in self.faces for faces in groups)
@@ -86,19 +86,32 @@ class Painter:
                                     numpy.max([part.max(axis=0) for part in places], axis=0)])
         self.places = numpy.concatenate(places)
         self.colours = cm.ScalarMappable(colors.Normalize(0, self.largest or 1.0), "viridis")
+        if scalar:
+            shown = numpy.concatenate([self.amount(b, moment)[self.used[b]] for b in range(len(bodies)) for moment in moments])
+            self.colours = cm.ScalarMappable(colors.Normalize(*numpy.nanpercentile(shown, (1, 99))), "viridis")
 
     def displacement(self, b, moment):
+        return self.field(b, moment, "displacement")
+
+    def field(self, b, moment, name):
         """State nearest to that of the first body: those of all bodies are stored together."""
         body = self.bodies[b]
         state = moment if b == 0 else body.nearest(self.bodies[0].time[moment])
-        return body.field(state, "displacement")
+        return body.field(state, name)
+
+    def amount(self, b, moment):
+        """What colours a node: the size of its displacement, or the scalar."""
+        return self.field(b, moment, self.scalar).ravel() if self.scalar else numpy.linalg.norm(self.displacement(b, moment), axis=1)
 
     def place(self, b, moment):
         return self.bodies[b].position + self.enlarged * self.displacement(b, moment)
 
-    def colours_of_lengths(self):
-        """The scale of colours in a readable unit."""
-        return cm.ScalarMappable(colors.Normalize(0, length_unit(self.largest)[0] * (self.largest or 1.0)), "viridis")
+    def scale(self):
+        """The scale of colours in a readable unit, and its words."""
+        if self.scalar:
+            limits = 1e-3 * numpy.array(self.colours.get_clim())
+            return cm.ScalarMappable(colors.Normalize(*limits), "viridis"), f"{self.scalar.replace('_', ' ')} [kPa]"
+        return cm.ScalarMappable(colors.Normalize(0, length_unit(self.largest)[0] * (self.largest or 1.0)), "viridis"), f"displacement [{length_unit(self.largest)[1]}]"
 
     def limits(self, camera):
         """Left, right, bottom, top of a picture that holds all moments."""
@@ -107,11 +120,12 @@ class Painter:
         margin = 0.03 * max(high - low)
         return numpy.array([low[0] - margin, high[0] + margin, low[1] - margin, high[1] + margin])
 
-    def _facets(self, b, faces, displacement, camera):
+    def _facets(self, b, faces, displacement, camera, scalar=None):
         """Of some faces of a body, those turned to the viewer: outlines, colours, depths; then the same of the sides on edges of elements."""
         weights, facets, borders = face_grid(faces.shape[1], self.n_pieces)
         point = numpy.einsum("pn,fnc->fpc", weights, self.bodies[b].position[faces] + self.enlarged * displacement[faces])
-        amount = numpy.linalg.norm(numpy.einsum("pn,fnc->fpc", weights, displacement[faces]), axis=-1)
+        amount = (numpy.linalg.norm(numpy.einsum("pn,fnc->fpc", weights, displacement[faces]), axis=-1) if scalar is None
+                  else numpy.einsum("pn,fn->fp", weights, scalar[faces]))
         corner = point[:, facets]  # (n_faces, n_facets, 4, 3)
         normal = numpy.cross(corner[:, :, 2] - corner[:, :, 0], corner[:, :, 3] - corner[:, :, 1])
         double = facets[:, 2] == facets[:, 3]  # triangles
@@ -140,8 +154,9 @@ class Painter:
         outlines, colour, order = [], [], []
         for b, groups in enumerate(self.faces):
             displacement = self.displacement(b, moment)
+            scalar = self.amount(b, moment) if self.scalar else None
             for faces in groups:
-                facets, facet_colour, facet_depth, sides, side_colour, side_depth = self._facets(b, faces, displacement, camera)
+                facets, facet_colour, facet_depth, sides, side_colour, side_depth = self._facets(b, faces, displacement, camera, scalar)
                 outlines += [facets, sides]
                 order += [facet_depth, side_depth + 1e-9 * self.size]
                 colour += [numpy.hstack([facet_colour, facet_colour]), numpy.hstack([numpy.zeros((len(sides), 4)), side_colour])]
@@ -177,8 +192,9 @@ def picture(painter, cameras, titles, n_columns, outline=None):
                 axes.set_title(title, fontsize=8.5)
         if start == 0:
             draw_axes_and_length(row[0], camera, box, LEGEND_HEIGHT * (box[1] - box[0]) / width)
-    bar = chart.colorbar(painter.colours_of_lengths(), ax=grid, shrink=min(1.0, 2.6 / sum(heights)), pad=0.01, aspect=22)
-    bar.set_label(f"displacement [{length_unit(painter.largest)[1]}]", fontsize=8.5)
+    scale, words = painter.scale()
+    bar = chart.colorbar(scale, ax=grid, shrink=min(1.0, 2.6 / sum(heights)), pad=0.01, aspect=22)
+    bar.set_label(words, fontsize=8.5)
     bar.ax.tick_params(labelsize=8)
     return png_of(chart, dots_per_inch=160)
 

@@ -17,11 +17,13 @@ from solid_states import choose_moments
 
 ENERGIES = {"solid.kinetic_energy": "kinetic", "solid.strain_energy": "strain", "solid.contact_energy": "contact"}
 WORK = {"solid.external_work": "work of the loads", "solid.damping_work": "lost to damping"}
+IMBALANCE = "solid.energy_imbalance"
 CONTACT = {"solid.contact_force": "contact force", "solid.contact_distance": "smallest distance"}
 STEPS = {"solid.substeps": "substeps", "solid.newton_iterations": "Newton iterations", "solid.residual": "relative residual",
          "solid.negative_pivots": "negative pivots", "solid.softened_elements": "softened elements"}
 COUNTS = ("solid.substeps", "solid.newton_iterations", "solid.negative_pivots", "solid.softened_elements")
 REACTION = "solid.reaction."
+STRESS = "largest_principal_stress"  # of the fields of a body, drawn where it is stored
 OPEN_FROM, OPEN_TO = 0.1, 0.9  # of the largest area: between them an orifice is opening or closing
 N_PICTURES = 6
 
@@ -30,7 +32,7 @@ def columns_shown(run):
     """Columns that the sections below show."""
     if run.history is None or "solid" not in run.scene:
         return []
-    return [*ENERGIES, *WORK, *CONTACT, *STEPS, *_reactions(run), *orifice_names(run)]
+    return [*ENERGIES, *WORK, IMBALANCE, *CONTACT, *STEPS, *_reactions(run), *orifice_names(run)]
 
 
 def _changing(run, names):
@@ -146,7 +148,8 @@ def pictures(run):
     moments = choose_moments(bodies, _wanted_times(run) if valve else (), N_PICTURES)
     if not moments:
         return ""
-    painter = Painter(bodies, moments, may_enlarge=not (valve or solid.get("contact") or solid.get("rigid_plane")))
+    may_enlarge = not (valve or solid.get("contact") or solid.get("rigid_plane"))
+    painter = Painter(bodies, moments, may_enlarge)
     end = bodies[0].time[-1]
     titles = [time_words(bodies[0].time[moment], end) for moment in moments]
     enlarged = f" Displacements are drawn {painter.enlarged:g} times as large as they are." if painter.enlarged > 1 else ""
@@ -156,19 +159,23 @@ def pictures(run):
         if names:
             titles = [f"{title}\n{1e4 * numpy.interp(bodies[0].time[moment], run.history['time'], run.history[names[0]]):.3g} cm² open"
                       for title, moment in zip(titles, moments)]
-        cameras = [along(axis), from_the_side(axis)]
-        image = picture(painter, cameras, titles, N_PICTURES, _tube(axis, radius, centre))
+        cameras, outline, n_columns = [along(axis), from_the_side(axis)], _tube(axis, radius, centre), N_PICTURES
         words = ("Above: along the axis from its far end; the circle is the opening. Below: from the side." + (" The moments are those of opening"
                  " and closing (10 % and 90 % of the largest area) and one halfway to the next opening, as near as states are stored." if names else ""))
     else:
         camera = sensible_camera(*painter.corners)
         limits = painter.limits(camera)
         is_long = (limits[3] - limits[2]) < 0.45 * (limits[1] - limits[0])
-        image = picture(painter, [camera], titles, 2 if is_long else 3)
+        cameras, outline, n_columns = [camera], None, 2 if is_long else 3
         words = "All stored states." if len(moments) == len(bodies[0]) else "Start and end, the extremes of the motion and moments between them."
     what = "The body" if len(solid.get("body", [])) < 2 else "The bodies"
     files = ", ".join(f"results/{body.name}.xmf" for body in bodies)
-    return section(what, figure(image, f"Outer surface, coloured by the size of the displacement. {words}{enlarged}"),
+    image = picture(painter, cameras, titles, n_columns, outline)
+    stressed = ""
+    if all(STRESS in body.field_names for body in bodies):
+        stressed = figure(picture(Painter(bodies, moments, may_enlarge, STRESS), cameras, titles, n_columns, outline),
+                          "The same, coloured by the largest principal stress; one node in a hundred is beyond either end of the scale.")
+    return section(what, figure(image, f"Outer surface, coloured by the size of the displacement. {words}{enlarged}"), stressed,
                    f'<p class="soft">All {len(bodies[0])} stored states: {files}, for ParaView.</p>')
 
 
@@ -228,6 +235,9 @@ def energy(run):
     axes.set(xlabel="time [s]", ylabel=f"energy [{unit}]")
     axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8)
     caption = "Without loads and damping the sum would stay the same." if len(names) > 1 and "solid.kinetic_energy" in names else "Over time."
+    if IMBALANCE in run.history and largest > 0:
+        worst = numpy.abs(run.history[IMBALANCE]).max() / largest
+        caption += f" Energy less work, plus what damping took, stays at zero within {number(float(worst), 2)} of the largest value shown."
     return section("Energy of the solid", figure(svg_of(chart, "solid-energy"), caption))
 
 

@@ -47,9 +47,11 @@ void probes_are_on_the_solid(const v1::Scene& scene, Review& review) {
   }
 }
 
-// NAME.x, NAME.y and NAME.z are the columns of a probe; other columns are known to the servers only.
+// NAME.x, NAME.y and NAME.z are the columns of a probe; other columns are known to the servers only, solid.reaction...
+// too.
 void column_has_its_probe(const std::string& column, const v1::Output& output, const std::string& path,
                           Review& review) {
+  if (column.starts_with("solid.")) return;
   const std::size_t dot = column.rfind('.');
   if (dot == std::string::npos || dot + 2 != column.size() || column[dot + 1] < 'x' || column[dot + 1] > 'z') return;
   const std::string name = column.substr(0, dot);
@@ -86,6 +88,17 @@ void quantity_can_be_computed(const v1::Quantity& quantity, const std::string& p
   window_ends_in_the_run(quantity, path, scene.time().end(), review);
 }
 
+void fields_of_the_solid_are_stored(const v1::Scene& scene, Review& review) {
+  const auto& fields = scene.solid().field();
+  for (int i = 0; i < fields.size(); ++i)
+    if (std::find(fields.begin(), fields.begin() + i, fields[i]) != fields.begin() + i)
+      review.complain("solid.field[" + std::to_string(i) + "]",
+                      v1::Solid::Field_Name(fields[i]) + " stands there already; name each once");
+  if (!fields.empty() && !scene.output().has_results_interval())
+    review.complain("solid.field[0]",
+                    "is never stored; give output.results_interval, the time between two stored states");
+}
+
 }  // namespace
 
 void check_output_rules(const v1::Scene& scene, Review& review) {
@@ -94,6 +107,7 @@ void check_output_rules(const v1::Scene& scene, Review& review) {
   names_differ(output.quantity(), "quantity", "quantity", review);
   columns_differ(scene, review);
   probes_are_on_the_solid(scene, review);
+  fields_of_the_solid_are_stored(scene, review);
   for (int i = 0; i < output.quantity_size(); ++i) {
     quantity_can_be_computed(output.quantity(i), entry("quantity", i), scene, review);
   }

@@ -30,7 +30,9 @@ ResultMesh drawn(const ResultMesh& mesh) {
 
 bool is_same(const ResultMesh& a, const ResultMesh& b) {
   return a.shape == b.shape && a.cell_node == b.cell_node && a.node_position.rows() == b.node_position.rows() &&
-         a.node_position == b.node_position;
+         a.node_position == b.node_position &&
+         std::equal(a.cell_number.begin(), a.cell_number.end(), b.cell_number.begin(), b.cell_number.end(),
+                    [](const auto& m, const auto& n) { return m.name == n.name && m.value == n.value; });
 }
 
 void remove_blocks(const std::filesystem::path& folder, const std::string& name, int first) {
@@ -90,36 +92,41 @@ struct ResultWriter::State {
   std::int64_t n_states = 0, n_states_on_disk = 0;
 
   XdmfMesh xdmf_mesh() const {
-    return {mesh.shape, mesh.node_position.rows(), n_cells, static_cast<std::int64_t>(mesh.cell_node.size()),
-            block_file_name(name, 0)};
+    XdmfMesh out{mesh.shape, mesh.node_position.rows(), n_cells, static_cast<std::int64_t>(mesh.cell_node.size()),
+                 block_file_name(name, 0)};
+    for (const auto& number : mesh.cell_number) out.cell_number.push_back(number.name);
+    return out;
   }
 
-  void learn_fields(const surface::FieldSet& given);
+  void learn_fields(const surface::FieldSet& of_nodes, const surface::FieldSet& of_cells);
   void open_next_block();
   void list_state(double time, int in_block, std::int64_t slot);
   void write_listing();
 };
 
-void ResultWriter::State::learn_fields(const surface::FieldSet& given) {
-  for (const surface::Field& field : given) {
-    assert(field.values.rows() == mesh.node_position.rows());
-    assert(field.values.cols() == 1 || field.values.cols() == 3);
-    fields.push_back({field.name, field.values.cols()});
+void ResultWriter::State::learn_fields(const surface::FieldSet& of_nodes, const surface::FieldSet& of_cells) {
+  const auto learn = [&](const surface::Field& field, bool is_of_cells) {
+    assert(field.values.rows() == (is_of_cells ? n_cells : mesh.node_position.rows()));
+    assert(field.values.cols() == 1 || field.values.cols() == 3 || field.values.cols() == 9);
+    fields.push_back({field.name, field.values.cols(), is_of_cells});
+  };
+  for (const surface::Field& field : of_nodes) {
+    learn(field, false);
     is_moving = is_moving || field.name == "displacement";
   }
+  for (const surface::Field& field : of_cells) learn(field, true);
 }
 
 void ResultWriter::State::open_next_block() {
   std::vector<XdmfField> arrays = fields;
-  if (is_moving) arrays.push_back({"position", 3});
-  std::string names;
+  if (is_moving) arrays.push_back({moved_position, 3});
   std::int64_t state_bytes = 1;
-  for (const XdmfField& field : fields) names += (names.empty() ? "" : ",") + field.name;
   const std::int64_t n_nodes = mesh.node_position.rows();
-  for (const XdmfField& array : arrays) state_bytes += array.n_components * n_nodes * std::int64_t{sizeof(float)};
+  for (const XdmfField& array : arrays)
+    state_bytes += array.n_components * (array.is_of_cells ? n_cells : n_nodes) * std::int64_t{sizeof(float)};
   const std::int64_t n_slots = std::clamp<std::int64_t>(block_bytes_max / state_bytes, 1, next_slots);
   block.reset();
-  block.emplace(folder / block_file_name(name, n_blocks), n_slots, n_nodes, arrays, names,
+  block.emplace(folder / block_file_name(name, n_blocks), n_slots, StateRows{n_nodes, n_cells}, arrays,
                 n_blocks == 0 ? &mesh : nullptr);
   ++n_blocks;
   next_slots *= 2;
@@ -157,9 +164,12 @@ ResultWriter ResultWriter::continue_from(const std::filesystem::path& results_fo
   auto states = reader.states();
   std::erase_if(states, [&](const auto& place) { return place.time > time; });
   if (states.empty()) return ResultWriter(results_folder, name, mesh);
-  surface::FieldSet fields;
-  for (const std::string& field : reader.field_names()) fields.push_back({field, "", reader.field(0, field)});
-  state->learn_fields(fields);
+  const auto stored = [&](const std::vector<std::string>& names) {
+    surface::FieldSet fields;
+    for (const std::string& field : names) fields.push_back({field, "", reader.field(0, field)});
+    return fields;
+  };
+  state->learn_fields(stored(reader.field_names()), stored(reader.cell_field_names()));
   for (const auto& place : states) state->list_state(place.time, place.block, place.slot);
   state->n_blocks = states.back().block + 1;
   state->write_listing();  // before the states go that it no longer names
@@ -177,12 +187,13 @@ ResultWriter::~ResultWriter() {
   }
 }
 
-void ResultWriter::append(double time, const surface::FieldSet& fields) {
-  if (state_->fields.empty()) state_->learn_fields(fields);
-  assert(fields.size() == state_->fields.size());
+void ResultWriter::append(double time, const surface::FieldSet& fields, const surface::FieldSet& cell_fields) {
+  if (state_->fields.empty()) state_->learn_fields(fields, cell_fields);
+  assert(fields.size() + cell_fields.size() == state_->fields.size());
   if (!state_->block || state_->block->is_full()) state_->open_next_block();
   std::vector<const surface::NodeArray*> arrays;
-  for (const surface::Field& field : fields) arrays.push_back(&field.values);
+  for (const surface::FieldSet* set : {&fields, &cell_fields})
+    for (const surface::Field& field : *set) arrays.push_back(&field.values);
   surface::NodeArray moved;
   if (state_->is_moving) {
     moved = state_->mesh.node_position + surface::find_field(fields, "displacement").values;

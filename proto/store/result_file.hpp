@@ -22,6 +22,13 @@ struct ResultMesh {
   surface::NodeArray node_position;     // (n_nodes, 3) reference position [m]
   std::vector<std::int64_t> cell_node;  // (n_cells * nodes per cell); a polyline is one cell of any length;
                                         // mixed: each cell is its cell_code and its nodes
+
+  /// Integers that each cell keeps for the whole run, by name: the number of its body, of its region.
+  struct CellNumber {
+    std::string name;
+    std::vector<std::int64_t> value;  // (n_cells)
+  };
+  std::vector<CellNumber> cell_number = {};
 };
 
 /// The number of a shape among mixed cells: XDMF's. Not for polyline and mixed.
@@ -43,9 +50,10 @@ class ResultWriter {
   ~ResultWriter();
   ResultWriter(ResultWriter&&) noexcept;
 
-  /// Node fields at a time, (n_nodes, 1 or 3), stored in single precision: the same fields every time. A field named
-  /// displacement moves the picture: nodes are drawn at their moved position. Throws FileError when the disk is full.
-  void append(double time, const surface::FieldSet& fields);
+  /// Fields of the nodes and of the cells at a time, (n_nodes or n_cells, n), stored in single precision: the same
+  /// fields every time. n = 1, 3, or 9 for a tensor, row by row. A node field named displacement
+  /// moves the picture: nodes are drawn at their moved position. Throws FileError when the disk is full.
+  void append(double time, const surface::FieldSet& fields, const surface::FieldSet& cell_fields = {});
 
  private:
   struct State;

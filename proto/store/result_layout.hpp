@@ -7,10 +7,15 @@
 //     cells
 //                                               (any, 1): the number of its shape (cell_code) and its nodes for each
 //     mesh/shape      text                      polyline, hexahedron20, hexahedron8, tetrahedron10 or mixed
-//     field_names     text                      separated by commas
+//     mesh/cell_numbers text                    names of the integers that each cell has, separated by commas
+//     mesh/NAME       integer (n_cells, 1)      one of them
+//     field_names     text                      of nodes, separated by commas
+//     cell_field_names text                     of cells, likewise
 //     n_states        integer (1)               states that are complete in this block
 //     time            double (n_slots)          [s]
-//     state/I/NAME    float (n_nodes, n)        field NAME of the block's state I = 0, 1, ...
+//     state/I/NAME    float (n_nodes or n_cells, n)
+//                                               field NAME of the block's state I = 0, 1, ...; n = 9: a tensor row by
+//                                               row, since readers disagree on the order of six numbers
 //     state/I/position float (n_nodes, 3)       moved nodes, where the fields have a displacement
 
 #include <array>
@@ -48,6 +53,13 @@ inline std::string block_file_name(const std::string& name, int block) {
   if (block == 0) return name + ".h5";
   const std::string number = std::to_string(block);
   return name + "." + std::string(number.size() < 4 ? 4 - number.size() : 0, '0') + number + ".h5";
+}
+
+/// The moved nodes among the arrays of a state.
+inline constexpr const char* moved_position = "position";
+
+inline std::string mesh_dataset(const std::string& name) {
+  return "mesh/" + name;
 }
 
 inline std::string state_dataset(std::int64_t slot, const std::string& field) {

@@ -23,7 +23,10 @@ ResultMesh read_mesh(const Hdf5File& file, const std::filesystem::path& path) {
       std::find_if(cell_layouts.begin(), cell_layouts.end(), [&](const CellLayout& l) { return l.name == name; });
   if (layout == cell_layouts.end())
     throw report::FileError(path.string(), "has cells of the unknown shape \"" + name + "\"");
-  return {layout->shape, file.read("mesh/position"), file.read_integers("mesh/cell")};
+  ResultMesh mesh{layout->shape, file.read("mesh/position"), file.read_integers("mesh/cell")};
+  for (const std::string& number : split(file.read_text("mesh/cell_numbers")))
+    mesh.cell_number.push_back({number, file.read_integers(mesh_dataset(number))});
+  return mesh;
 }
 
 }  // namespace
@@ -37,6 +40,7 @@ ResultReader::ResultReader(const std::filesystem::path& results_folder, const st
     if (n_blocks_ == 0) {
       mesh_ = read_mesh(file, path);
       field_names_ = split(file.read_text("field_names"));
+      cell_field_names_ = split(file.read_text("cell_field_names"));
     }
     const auto n_states = file.read_integers("n_states").at(0);
     const auto times = file.read("time");

@@ -15,11 +15,12 @@ class ResultReader {
   ResultReader(const std::filesystem::path& results_folder, const std::string& name);
 
   std::size_t n_states() const { return states_.size(); }
-  double time(std::size_t state) const { return states_[state].time; }  // [s], rising
-  const std::vector<std::string>& field_names() const { return field_names_; }
+  double time(std::size_t state) const { return states_[state].time; }          // [s], rising
+  const std::vector<std::string>& field_names() const { return field_names_; }  // of nodes
+  const std::vector<std::string>& cell_field_names() const { return cell_field_names_; }
   const ResultMesh& mesh() const { return mesh_; }
 
-  /// A field at one of the states, (n_nodes, n_components), in the precision of its file.
+  /// A field at one of the states, (n_nodes or n_cells, n_components), in the precision of its file.
   surface::NodeArray field(std::size_t state, const std::string& name) const;
 
   /// Where a state lies, for who continues the result.
@@ -35,7 +36,7 @@ class ResultReader {
   std::filesystem::path folder_;
   std::string name_;
   ResultMesh mesh_;
-  std::vector<std::string> field_names_;
+  std::vector<std::string> field_names_, cell_field_names_;
   std::vector<StatePlace> states_;
   int n_blocks_ = 0;
 };

@@ -19,6 +19,21 @@ void write_mesh(Hdf5File& file, const ResultMesh& mesh) {
   file.write("mesh/position", mesh.node_position);
   file.write("mesh/cell", mesh.cell_node, layout_of(mesh.shape).n_columns);
   file.write_text("mesh/shape", layout_of(mesh.shape).name);
+  std::string names;
+  for (const ResultMesh::CellNumber& number : mesh.cell_number) {
+    file.write(mesh_dataset(number.name), number.value);
+    names += (names.empty() ? "" : ",") + number.name;
+  }
+  file.write_text("mesh/cell_numbers", names);
+}
+
+/// Of the fields of nodes, or of cells.
+std::string joined_names(const std::vector<XdmfField>& arrays, bool is_of_cells) {
+  std::string names;
+  for (const XdmfField& array : arrays)
+    if (array.is_of_cells == is_of_cells && array.name != moved_position)
+      names += (names.empty() ? "" : ",") + array.name;
+  return names;
 }
 
 int open_for_writing(const std::filesystem::path& path) {
@@ -50,18 +65,20 @@ void cut_block(const std::filesystem::path& path, std::int64_t n_states) {
   ::close(file);
 }
 
-StateBlock::StateBlock(const std::filesystem::path& path, std::int64_t n_slots, std::int64_t n_nodes,
-                       const std::vector<XdmfField>& arrays, const std::string& field_names, const ResultMesh* mesh)
+StateBlock::StateBlock(const std::filesystem::path& path, std::int64_t n_slots, const StateRows& rows,
+                       const std::vector<XdmfField>& arrays, const ResultMesh* mesh)
     : path_(path), n_slots_(n_slots) {
   const std::filesystem::path part = path.string() + ".part";
   Hdf5File file = Hdf5File::create(part);
   if (mesh != nullptr) write_mesh(file, *mesh);
-  file.write_text("field_names", field_names);
+  file.write_text("field_names", joined_names(arrays, false));
+  file.write_text("cell_field_names", joined_names(arrays, true));
   count_offset_ = file.reserve_integer("n_states", 1);
   time_offset_ = file.reserve_double("time", n_slots);
   for (std::int64_t slot = 0; slot < n_slots; ++slot) {
     for (const XdmfField& array : arrays)
-      array_offset_.push_back(file.reserve_float(state_dataset(slot, array.name), n_nodes, array.n_components));
+      array_offset_.push_back(file.reserve_float(state_dataset(slot, array.name),
+                                                 array.is_of_cells ? rows.n_cells : rows.n_nodes, array.n_components));
   }
   file.close();
   file_ = open_for_writing(part);

@@ -13,11 +13,16 @@ namespace couplet::store {
 /// Drops the states of a block from `n_states` on.
 void cut_block(const std::filesystem::path& path, std::int64_t n_states);
 
+struct StateRows {
+  std::int64_t n_nodes = 0, n_cells = 0;
+};
+
 class StateBlock {
  public:
-  /// Makes the file complete under another name, then gives it its own. `mesh` is null for all blocks but the first.
-  StateBlock(const std::filesystem::path& path, std::int64_t n_slots, std::int64_t n_nodes,
-             const std::vector<XdmfField>& arrays, const std::string& field_names, const ResultMesh* mesh);
+  /// Makes the file complete under another name, then gives it its own. `arrays` of a state: fields, then the moved
+  /// nodes where there are some. `mesh` is null for all blocks but the first.
+  StateBlock(const std::filesystem::path& path, std::int64_t n_slots, const StateRows& rows,
+             const std::vector<XdmfField>& arrays, const ResultMesh* mesh);
   StateBlock(const StateBlock&) = delete;
   StateBlock& operator=(const StateBlock&) = delete;
   ~StateBlock();

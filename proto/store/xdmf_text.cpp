@@ -67,6 +67,16 @@ std::string topology(const XdmfMesh& mesh) {
          "</Topology>\n";
 }
 
+std::string attribute_type(std::int64_t n_components) {
+  return n_components == 1 ? "Scalar" : n_components == 3 ? "Vector" : "Tensor";
+}
+
+std::string attribute(const std::string& name, const std::string& type, const std::string& center,
+                      const std::string& item) {
+  return "<Attribute Name=\"" + escaped(name) + "\" AttributeType=\"" + type + "\" Center=\"" + center + "\">" + item +
+         "</Attribute>\n";
+}
+
 }  // namespace
 
 std::string xdmf_start(const std::string& name) {
@@ -79,16 +89,18 @@ std::string xdmf_state(const XdmfMesh& mesh, const std::vector<XdmfField>& field
   const std::string n_nodes = std::to_string(mesh.n_nodes);
   std::string text = "<Grid GridType=\"Uniform\"><Time Value=\"" + shortest(time) + "\"/>\n" + topology(mesh);
   text += "<Geometry GeometryType=\"XYZ\">";
-  text += is_moving ? data_item("Float", 4, n_nodes + " 3", file + ":/" + state_dataset(slot, "position"))
+  text += is_moving ? data_item("Float", 4, n_nodes + " 3", file + ":/" + state_dataset(slot, moved_position))
                     : data_item("Float", 8, n_nodes + " 3", mesh.file + ":/mesh/position");
   text += "</Geometry>\n";
   for (const XdmfField& field : fields) {
-    const bool is_scalar = field.n_components == 1;
-    text += "<Attribute Name=\"" + escaped(field.name) + "\" AttributeType=\"" + (is_scalar ? "Scalar" : "Vector") +
-            "\" Center=\"Node\">" +
-            data_item("Float", 4, is_scalar ? n_nodes : n_nodes + " 3", file + ":/" + state_dataset(slot, field.name)) +
-            "</Attribute>\n";
+    const std::string rows = std::to_string(field.is_of_cells ? mesh.n_cells : mesh.n_nodes);
+    const std::string columns = field.n_components == 1 ? "" : " " + std::to_string(field.n_components);
+    text += attribute(field.name, attribute_type(field.n_components), field.is_of_cells ? "Cell" : "Node",
+                      data_item("Float", 4, rows + columns, file + ":/" + state_dataset(slot, field.name)));
   }
+  for (const std::string& name : mesh.cell_number)
+    text += attribute(name, "Scalar", "Cell",
+                      data_item("Int", 8, std::to_string(mesh.n_cells), mesh.file + ":/" + mesh_dataset(name)));
   return text + "</Grid>\n";
 }
 

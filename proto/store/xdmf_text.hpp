@@ -11,7 +11,8 @@ namespace couplet::store {
 
 struct XdmfField {
   std::string name;
-  std::int64_t n_components = 1;
+  std::int64_t n_components = 1;  // 1, 3 or 9, a tensor
+  bool is_of_cells = false;       // else of nodes
 };
 
 /// What all states of a result share.
@@ -19,8 +20,9 @@ struct XdmfMesh {
   CellShape shape;
   std::int64_t n_nodes = 0;
   std::int64_t n_cells = 0;
-  std::int64_t n_cell_nodes = 0;  // entries of the array of cells
-  std::string file;               // that holds mesh/position and mesh/cell, relative to the XDMF file
+  std::int64_t n_cell_nodes = 0;              // entries of the array of cells
+  std::string file;                           // that holds mesh/position and mesh/cell, relative to the XDMF file
+  std::vector<std::string> cell_number = {};  // names of the integers that each cell has, mesh/NAME there
 };
 
 std::string xdmf_start(const std::string& name);

@@ -51,6 +51,8 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
   to.estimate = from.estimate;
   to.n_kicks_done = from.n_kicks_done;
 
+  if (ledger_) ledger_->begin_step();
+
   StepWork work;
   double done = 0;  // [s]
   for (bool is_last = false; !is_last;) {
@@ -72,6 +74,10 @@ StepWork CentralDifference::advance(const Motion& from, double duration, const s
     to.estimate.n_unseen += piece.n_substeps;
     if (!is_last) limit_.look(to.displacement, to.estimate);
   }
+  if (ledger_) {
+    to.external_work = from.external_work + ledger_->work() + kinetic_energy_of_held(to) - kinetic_energy_of_held(from);
+    to.damping_work = from.damping_work + ledger_->damping_work();
+  }
   to.time = from.time + duration;
   to.interface_force = interface_force;
   to.has_interface_force = true;
@@ -83,16 +89,21 @@ void CentralDifference::advance_piece(const Motion& from, const Piece& piece, co
   force_.forget_findings();
   is_given_up_ = false;
   team_.run([&](int member) {
+    if (ledger_) {
+      write_external_parts(member, from.displacement.data(), {piece.begin, piece.first_fraction, false});
+      team_.barrier();
+    }
+    if (ledger_ && member == 0) note_held(from.velocity);
     start(from, first_force, share_of(static_cast<int>(inverse_mass_.rows()), member, team_.n_members()), to);
     if (!held_.is_empty()) {
       team_.barrier();
-      if (member == 0) hold(0, to);
+      if (member == 0) hold(0, first_force, to);
     }
     for (int k = 0; k < piece.n_substeps; ++k) {
       if (!substep(member, k, to)) return;  // for all members at once
       if (held_.is_empty()) continue;
       team_.barrier();
-      if (member == 0) hold(k + 1, to);
+      if (member == 0) hold(k + 1, to.force.data(), to);
     }
   });
   refuse_inverted(piece);
@@ -110,30 +121,55 @@ void CentralDifference::refuse_inverted(const Piece& piece) const {
 }
 
 /// Prescribed nodes after k substeps: the place at the end of the next one, with the velocity that leads there; after
-/// the last substep the velocity at its end.
-void CentralDifference::hold(int k, Motion& to) {
+/// the last substep the velocity at its end. `force`: on all nodes after k substeps, for the ledger.
+void CentralDifference::hold(int k, const double* force, Motion& to) {
   const bool is_end = k == static_cast<int>(substeps_.size());
   const double next = start_time_ + (is_end ? k : k + 1) * h_;
   held_.hold(next, to.displacement);
   held_.hold_velocity(is_end ? next : next - h_ / 2, h_, to.velocity);
+  if (ledger_) {
+    for (std::size_t n = 0; n < held_.components().size(); ++n) {
+      const auto& [node, axis] = held_.components()[n];
+      const double before = held_velocity_[n], after = to.velocity(node, axis);
+      const double drift = h_ / 2 * ((k > 0 ? before : 0) + (is_end ? 0 : after));
+      ledger_->act_on_held(node, axis, force[width * node + axis], drift, after - before, force_.external_parts());
+    }
+    note_held(to.velocity);
+  }
   if (is_end) return;
   for (const auto& [node, axis] : held_.components())
     note_strained(node, quad(to.displacement.data(), node), quad(to.velocity.data(), node));
 }
 
-NodeVectors CentralDifference::support_force(const Motion& motion) const {
+std::vector<double> CentralDifference::support_force(const Motion& motion,
+                                                     const std::vector<HeldMotion::Component>& held) const {
   const double h = limit_.largest(motion.estimate);
-  NodeVectors force = -motion.force;
-  for (std::size_t n = 0; n < held_.components().size(); ++n) {
-    const auto& [node, axis] = held_.components()[n];
-    force(node, axis) += mass_[node] * (held_.acceleration(n, motion.time, h) +
-                                        damping_.at(motion.time) * held_.velocity(n, motion.time, h));
+  std::vector<double> force;
+  for (const auto& [node, axis] : held) {
+    force.push_back(-motion.force(node, axis));
+    if (const auto n = held_.number_of({node, axis}))
+      force.back() += mass_[node] * (held_.acceleration(*n, motion.time, h) +
+                                     damping_.at(motion.time) * held_.velocity(*n, motion.time, h));
   }
-  return (inverse_mass_.array() > 0).select(0, force);
+  return force;
+}
+
+void CentralDifference::note_held(const NodeVectors& velocity) {
+  held_velocity_.clear();
+  for (const auto& [node, axis] : held_.components()) held_velocity_.push_back(velocity(node, axis));
+}
+
+/// Of the components that move as prescribed [J].
+double CentralDifference::kinetic_energy_of_held(const Motion& motion) const {
+  double energy = 0;
+  for (const auto& [node, axis] : held_.components())
+    energy += mass_[node] * motion.velocity(node, axis) * motion.velocity(node, axis) / 2;
+  return energy;
 }
 
 std::size_t CentralDifference::memory_bytes() const {
-  return static_cast<std::size_t>(strained_.size()) * sizeof(double) + limit_.memory_bytes();
+  return (ledger_ ? ledger_->memory_bytes() : 0) + static_cast<std::size_t>(strained_.size()) * sizeof(double) +
+         limit_.memory_bytes();
 }
 
 /// Times, damping factors and kicks of the substeps.
@@ -161,9 +197,14 @@ void CentralDifference::start(const Motion& from, const double* force, Share nod
   const Substep& next = substeps_.front();
   const double d = next.damping_factor;
   for (Eigen::Index n = nodes.first; n < nodes.last; ++n) {
-    NodeQuad v = quad(from.velocity.data(), n);
+    const auto node = static_cast<Index>(n);
+    const NodeQuad before = quad(from.velocity.data(), n);
+    NodeQuad v = before;
+    if (ledger_ && next.kick) ledger_->kick(node, v, quad(next.kick, n));
     if (next.kick) v += quad(next.kick, n);
+    if (ledger_) ledger_->damp(node, v, d);
     v = d * v + (h_ / 2) * (quad(force, n) * quad(inverse_mass_.data(), n));
+    if (ledger_) ledger_->act(node, quad(force, n), (h_ / 2) * v, v - before, force_.external_parts());
     const NodeQuad u = quad(from.displacement.data(), n) + h_ * v;
     put(v, to.velocity.data(), n);
     put(u, to.displacement.data(), n);
@@ -175,6 +216,11 @@ void CentralDifference::start(const Motion& from, const double* force, Share nod
 /// Each node moves on as soon as its force is known. False when an element is turned inside out or the watch
 /// gives the step up.
 bool CentralDifference::substep(int member, int k, Motion& to) {
+  return ledger_ ? substep_with<true>(member, k, to) : substep_with<false>(member, k, to);
+}
+
+template <bool with_ledger>
+bool CentralDifference::substep_with(int member, int k, Motion& to) {
   const auto n_substeps = static_cast<int>(substeps_.size());
   const Substep& last = substeps_[static_cast<std::size_t>(k)];
   const double d_last = last.damping_factor, half = h_ / 2;
@@ -186,22 +232,47 @@ bool CentralDifference::substep(int member, int k, Motion& to) {
 
   if (is_last)
     return visit_all(member, displacement, moment, [&](Index node, const NodeQuad& force) {
-      put(d_last * (quad(velocity, node) + half * (force * quad(inverse_mass, node))), velocity, node);
+      const NodeQuad before = quad(velocity, node), v = before + half * (force * quad(inverse_mass, node));
+      put(d_last * v, velocity, node);
       put(force, to.force.data(), node);
+      if constexpr (with_ledger) {
+        ledger_->damp(node, v, d_last);
+        ledger_->act(node, force, half * before, d_last * v - before, force_.external_parts());
+      }
     });
 
   const Substep& next = substeps_[static_cast<std::size_t>(k) + 1];
   const double d_next = next.damping_factor;
   return visit_all(member, displacement, moment, [&](Index node, const NodeQuad& force) {
     const NodeQuad change = half * (force * quad(inverse_mass, node));
-    NodeQuad v = d_last * (quad(velocity, node) + change);
+    const NodeQuad before = quad(velocity, node);
+    NodeQuad v = before + change;
+    if constexpr (with_ledger) ledger_->damp(node, v, d_last);
+    v = d_last * v;
+    if constexpr (with_ledger)
+      if (next.kick) ledger_->kick(node, v, quad(next.kick, node));
     if (next.kick) v += quad(next.kick, node);
+    if constexpr (with_ledger) ledger_->damp(node, v, d_next);
     v = d_next * v + change;
+    if constexpr (with_ledger) {
+      ledger_->act(node, force, half * (before + v), v - before, force_.external_parts());
+      put(force, to.force.data(), node);
+    }
     const NodeQuad u = quad(displacement, node) + h_ * v;
     put(v, velocity, node);
     put(u, displacement, node);
     note_strained(node, u, v);
   });
+}
+
+void CentralDifference::write_external_parts(int member, const double* displacement, const Moment& moment) {
+  if (force_.has_surface_contact()) {
+    if (member == 0) force_.search_contact(displacement);
+    team_.barrier();
+    force_.find_gaps(member);
+    team_.barrier();
+  }
+  force_.write_external_parts(member, displacement, moment);
 }
 
 inline void CentralDifference::note_strained(Eigen::Index node, const NodeQuad& displacement,
@@ -213,13 +284,7 @@ template <class Visit>
 bool CentralDifference::visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit) {
   team_.barrier();
   if (member == 0) is_given_up_ = !goes_on(moment.time);  // all have read it in the substep before
-  if (force_.has_surface_contact()) {
-    if (member == 0) force_.search_contact(displacement);
-    team_.barrier();
-    force_.find_gaps(member);
-    team_.barrier();
-  }
-  force_.write_external_parts(member, displacement, moment);
+  write_external_parts(member, displacement, moment);
   team_.barrier();
   force_.sweep(member, strained_at(displacement), moment, visit);
   team_.barrier();

@@ -1,6 +1,9 @@
 #pragma once
 // The central difference method, written so that displacement, velocity and force belong to the same time.
 
+#include <optional>
+
+#include "solid-server/dynamics/energy_ledger.hpp"
 #include "solid-server/dynamics/motion.hpp"
 #include "solid-server/dynamics/substep_limit.hpp"
 #include "solid-server/dynamics/time_integrator.hpp"
@@ -26,12 +29,15 @@ class CentralDifference : public TimeIntegrator {
                     WorkTeam& team);
 
   SubstepLimit& limit() { return limit_; }
+  /// From now on steps find the work of loads and damping: a tenth to a fifth of a substep more.
+  void keep_ledger() { ledger_.emplace(force_.external(), mass_, inverse_mass_, damping_.stiffness_factor); }
   int n_substeps(const Motion& from, double duration) const;  // that a step takes, if elements keep their lengths
 
   /// Allocates nothing in substeps. Throws NumericsError naming element and time when an element is turned inside out.
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
   NodeVectors mass_times(const NodeVectors& vector) const override { return mass_.asDiagonal() * vector; }
-  NodeVectors support_force(const Motion& motion) const override;
+  std::vector<double> support_force(const Motion& motion,
+                                    const std::vector<HeldMotion::Component>& held) const override;
   std::size_t memory_bytes() const override;
 
  private:
@@ -53,6 +59,9 @@ class CentralDifference : public TimeIntegrator {
   void plan(const Piece& piece, Motion& to);
   void start(const Motion& from, const double* force, Share nodes, Motion& to);
   bool substep(int member, int k, Motion& to);
+  template <bool with_ledger>
+  bool substep_with(int member, int k, Motion& to);
+  void write_external_parts(int member, const double* displacement, const Moment& moment);
   template <class Visit>
   bool visit_all(int member, const double* displacement, const Moment& moment, const Visit& visit);
   /// Where the internal force is evaluated.
@@ -61,7 +70,9 @@ class CentralDifference : public TimeIntegrator {
   }
   void note_strained(Eigen::Index node, const NodeQuad& displacement, const NodeQuad& velocity);
 
-  void hold(int k, Motion& to);
+  void hold(int k, const double* force, Motion& to);
+  void note_held(const NodeVectors& velocity);
+  double kinetic_energy_of_held(const Motion& motion) const;
 
   const SolidMesh& mesh_;
   NodalForce& force_;
@@ -75,6 +86,8 @@ class CentralDifference : public TimeIntegrator {
   double start_time_ = 0, h_ = 0;  // of the piece, substep [s]
   bool is_given_up_ = false;       // by the watch; written by member 0 between barriers
   std::vector<Substep> substeps_;
+  std::optional<EnergyLedger> ledger_;
+  std::vector<double> held_velocity_;  // of prescribed components in the last substep, for the ledger [m/s]
   bool is_strain_damped_;
   NodeVectors strained_;  // u + beta v (n_nodes, 4) [m]; empty without damping by stiffness
 };

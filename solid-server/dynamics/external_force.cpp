@@ -30,8 +30,10 @@ ExternalForce::ExternalForce(const SolidMesh& mesh, const WettedSurface& wetted,
       add_face_parts(pressures_.back().faces, faces);
     }
   }
+  first_contact_part_ = parts_.size();
   add_planes(mesh, wetted, planes);
   surface_contact_first_pack_ = add_node_parts(surface_contact_.node());
+  last_contact_part_ = parts_.size();
   for (const Index node : surface_contact_.node()) {
     const auto found = std::lower_bound(wetted_node_.begin(), wetted_node_.end(), node);
     const bool is_wetted = found != wetted_node_.end() && *found == node;
@@ -43,6 +45,23 @@ ExternalForce::ExternalForce(const SolidMesh& mesh, const WettedSurface& wetted,
   }
   interface_first_pack_ = add_node_parts(wetted_node_);
   interface_start_ = interface_change_ = NodeVectors::Zero(static_cast<Eigen::Index>(wetted_node_.size()), 4);
+  add_cancelled_parts();
+}
+
+/// One for each contact node, of which only wetted ones are ever written.
+void ExternalForce::add_cancelled_parts() {
+  const std::vector<Index>& node = surface_contact_.node();
+  if (std::all_of(wetted_number_.begin(), wetted_number_.end(), [](Index wetted) { return wetted < 0; })) return;
+  for (std::size_t n = 0; n < node.size(); ++n)
+    cancelled_.push_back({node[n], static_cast<Index>(n_packs_) * n_lanes + 4 * static_cast<Index>(n)});
+  n_packs_ += (node.size() + 1) / 2;
+}
+
+std::vector<ForcePart> ExternalForce::load_parts() const {
+  std::vector<ForcePart> loads = cancelled_;
+  for (std::size_t n = 0; n < parts_.size(); ++n)
+    if (n < first_contact_part_ || n >= last_contact_part_) loads.push_back(parts_[n]);
+  return loads;
 }
 
 void ExternalForce::add_planes(const SolidMesh& mesh, const WettedSurface& wetted,
@@ -126,9 +145,12 @@ void ExternalForce::write_interface_load(int member, int n_members, double fract
     for (Index n = first; n < last; ++n) {
       const Index wetted = wetted_number_[static_cast<std::size_t>(n)];
       const double factor = surface_contact_.interface_load_factor(n);
-      if (wetted < 0 || factor == 1) continue;
-      for (int i = 0; i < 3; ++i)
-        part[4 * n + i] += (factor - 1) * (interface_start_(wetted, i) + fraction * interface_change_(wetted, i));
+      if (wetted < 0) continue;
+      double* const cancelled = &buffer->lane[0] + cancelled_[static_cast<std::size_t>(n)].start;
+      for (int i = 0; i < 3; ++i) {
+        cancelled[i] = (factor - 1) * (interface_start_(wetted, i) + fraction * interface_change_(wetted, i));
+        part[4 * n + i] += cancelled[i];
+      }
     }
   }
   if (!wetted_node_.empty()) {

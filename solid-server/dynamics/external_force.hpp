@@ -27,6 +27,9 @@ class ExternalForce {
 
   /// The parts that write() fills; `start` is counted from the start of its buffer.
   const std::vector<ForcePart>& parts() const { return parts_; }
+  /// Those of loads, as far as contact leaves them: all without contact, and what contact cancels of the interface
+  /// load.
+  std::vector<ForcePart> load_parts() const;
   std::size_t n_packs() const { return n_packs_; }  // size of the buffer
   bool is_empty() const { return n_packs_ == 0; }
 
@@ -76,6 +79,7 @@ class ExternalForce {
   void write_interface_load(int member, int n_members, double fraction, StoredPack* buffer);
   void add_face_parts(const FacePacks& packs, const std::vector<FaceNodes>& faces);
   std::size_t add_node_parts(const std::vector<Index>& nodes);
+  void add_cancelled_parts();
 
   Index n_nodes_;
   std::vector<PressedSurface> pressures_;
@@ -89,6 +93,8 @@ class ExternalForce {
   std::vector<Index> wetted_node_;
   NodeVectors interface_start_, interface_change_;  // (n wetted nodes, 4) [N]
   std::vector<ForcePart> parts_;
+  std::size_t first_contact_part_ = 0, last_contact_part_ = 0;
+  std::vector<ForcePart> cancelled_;  // a second record of what the parts of contact cancel of the interface load
   std::size_t n_packs_ = 0;
 };
 

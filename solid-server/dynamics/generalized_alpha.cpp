@@ -265,11 +265,14 @@ std::shared_ptr<const FactorOrigin> GeneralizedAlpha::origin_at(const NodeVector
       FactorOrigin{strained(u_f, v_f), u_f, strained_share() * increment, moment_.time, weights(), 1 - alpha_f_});
 }
 
-NodeVectors GeneralizedAlpha::support_force(const Motion& motion) const {
+std::vector<double> GeneralizedAlpha::support_force(const Motion& motion,
+                                                    const std::vector<HeldMotion::Component>& held) const {
   NodeVectors inertia = NodeVectors::Zero(motion.force.rows(), 4);
   if (motion.acceleration.rows() > 0)
     inertia = body_->mass_times(motion.acceleration + damping_.at(motion.time) * motion.velocity);
-  return body_->held_part(inertia - motion.force);
+  std::vector<double> force;
+  for (const auto& [node, axis] : held) force.push_back(inertia(node, axis) - motion.force(node, axis));
+  return force;
 }
 
 }  // namespace couplet::solid

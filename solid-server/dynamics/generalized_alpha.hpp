@@ -36,7 +36,8 @@ class GeneralizedAlpha : public TimeIntegrator, private NonlinearSystem {
 
   StepWork advance(const Motion& from, double duration, const surface::NodeArray& interface_force, Motion& to) override;
   NodeVectors mass_times(const NodeVectors& vector) const override { return body_->mass_times(vector); }
-  NodeVectors support_force(const Motion& motion) const override;
+  std::vector<double> support_force(const Motion& motion,
+                                    const std::vector<HeldMotion::Component>& held) const override;
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }
 

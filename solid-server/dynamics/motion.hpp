@@ -37,7 +37,8 @@ struct Motion {
   surface::NodeArray interface_force;  // (n wetted nodes, 3) [N]
   bool has_interface_force = false;    // false before the first step: its load is then taken as constant
   int n_kicks_done = 0;
-  StepEstimate estimate;     // of the central difference method
+  StepEstimate estimate;                       // of the central difference method
+  double external_work = 0, damping_work = 0;  // since t = 0, see EnergyLedger; 0 without one [J]
   NodeVectors acceleration;  // of implicit steps (n_nodes, 4) [m/s^2]; without rows: not known yet, or explicit
   int n_halvings = 0;        // of the substep, after iterations that failed
   KeptFactors factors;       // of implicit and static steps

@@ -78,6 +78,8 @@ class NodalForce {
   double strain_energy() const;                                // at the last moment with energy [J]
   double element_seconds() const { return element_seconds_; }  // that the first member has spent in internal_force [s]
   ExternalForce& external() { return external_; }
+  /// What write_external_parts has written last.
+  const double* external_parts() const { return &buffer_.data()->lane[0] + plan_.n_element_packs * n_lanes; }
   std::size_t memory_bytes() const;
 
  private:

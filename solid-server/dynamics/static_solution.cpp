@@ -225,4 +225,11 @@ Index StaticSolution::factorise(const NodeVectors& u, const NodeVectors& increme
       FactorOrigin{u, u, increment, moment(std::clamp(factor_, 0.0, 1.0)).time, {1, 0}, 1}));
 }
 
+std::vector<double> StaticSolution::support_force(const Motion& motion,
+                                                  const std::vector<HeldMotion::Component>& held) const {
+  std::vector<double> force;
+  for (const auto& [node, axis] : held) force.push_back(-motion.force(node, axis));
+  return force;
+}
+
 }  // namespace couplet::solid

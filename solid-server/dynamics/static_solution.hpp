@@ -36,7 +36,8 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
                     const ArcLengthControl& control, const std::function<bool(const PathPoint&)>& visit, Motion& to);
 
   NodeVectors mass_times(const NodeVectors& vector) const override { return body_->mass_times(vector); }
-  NodeVectors support_force(const Motion& motion) const override { return -body_->held_part(motion.force); }
+  std::vector<double> support_force(const Motion& motion,
+                                    const std::vector<HeldMotion::Component>& held) const override;
   std::size_t memory_bytes() const override { return body_->memory_bytes(); }
   const TangentCost& cost() const { return body_->cost(); }
 

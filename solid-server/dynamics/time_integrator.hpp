@@ -63,8 +63,9 @@ class TimeIntegrator {
 
   /// Mass times a velocity or an acceleration, with the mass that the method moves, (n_nodes, 4).
   virtual NodeVectors mass_times(const NodeVectors& vector) const = 0;
-  /// What supports exert on the body: inertia minus all other forces, on held components (n_nodes, 4) [N].
-  virtual NodeVectors support_force(const Motion& motion) const = 0;
+  /// What supports exert on components that they hold: inertia minus all other forces, one number for each [N].
+  virtual std::vector<double> support_force(const Motion& motion,
+                                            const std::vector<HeldMotion::Component>& held) const = 0;
 
   virtual std::size_t memory_bytes() const = 0;
 

@@ -96,6 +96,11 @@ struct HolzapfelGasserOgden {
   VolumetricPart volumetric_part() const { return {bulk_modulus}; }
   HolzapfelGasserOgden without_volumetric_part() const { return {mu, 0, k1, k2, dispersion, cosine, sine}; }
 
+  template <class Real>
+  [[gnu::always_inline]] inline Fibre<Real> first_fibre(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
+    return {F, axes, cosine, sine};
+  }
+
  private:
   /// One of the families at a point.
   template <class Real>

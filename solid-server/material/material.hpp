@@ -26,7 +26,7 @@ namespace couplet::solid {
 ///   shear_modulus(), bulk_modulus_at_rest(): of the isotropic part, without fibres.
 ///
 /// What the caller must know before:
-///   is_anisotropic         the axes are needed;
+///   is_anisotropic         the axes are needed; first_fibre(F, axes): of its first family;
 ///   needs_positive_volume  the formulas mean nothing for J <= 0; the caller looks at J;
 ///   has_volumetric_part    W = W_1(F) + U(J): volumetric_part() = U, without_volumetric_part() = the law of W_1 alone;
 ///   may_lose_stiffness     loses_stiffness(F) tells where the law answers more compression with less stress.
@@ -50,6 +50,7 @@ concept AnisotropicMaterial = requires(const M material, const Tensor<double> F,
   { material.energy(packed, packed_axes) } -> std::same_as<Pack>;
   { material.stress(packed, packed_axes) } -> std::same_as<Tensor<Pack>>;
   { material.tangent(packed, packed_axes) } -> std::same_as<BasicTangent<Pack>>;
+  { material.first_fibre(F, axes) } -> std::same_as<Fibre<double>>;
 };
 
 template <class M>

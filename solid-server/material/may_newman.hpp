@@ -69,6 +69,11 @@ struct MayNewman {
   VolumetricPart volumetric_part() const { return {bulk_modulus}; }
   MayNewman without_volumetric_part() const { return {c0, c1, c2, matrix_shear_modulus, 0}; }
 
+  template <class Real>
+  [[gnu::always_inline]] inline Fibre<Real> first_fibre(const Tensor<Real>& F, const LocalAxes<Real>& axes) const {
+    return {F, axes, 1, 0};
+  }
+
  private:
   /// What every formula above needs at a point.
   template <class Real>
@@ -80,7 +85,7 @@ struct MayNewman {
     Real w_1, w_alpha;         // derivatives of W
 
     [[gnu::always_inline]] inline Point(const MayNewman& law, const Tensor<Real>& F, const LocalAxes<Real>& axes)
-        : I1(F), fibre(F, axes, 1, 0) {
+        : I1(F), fibre(law.first_fibre(F, axes)) {
       inverse_alpha = inverse_square_root(fibre.I4);
       x = I1.value - 3.0;
       y = fibre.I4 * inverse_alpha - 1.0;

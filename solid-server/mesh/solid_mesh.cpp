@@ -106,6 +106,7 @@ SolidMesh join_bodies(std::vector<SolidMesh> bodies, const std::vector<std::stri
       for (Index& node : block.node) node += first_node;
       block.first_element += first_element;
       block.region = block.region.empty() ? names[b] : prefix + block.region;
+      block.body = static_cast<int>(b);
       joined.block.push_back(std::move(block));
     }
     for (auto& [name, faces] : body.surface) {

@@ -50,6 +50,7 @@ using MaterialAxes = std::array<Eigen::Vector3d, 2>;
 struct ElementBlock {
   ElementShape shape = ElementShape::hexahedron20;
   std::string region;               // name of the material region; empty: the mesh names none
+  int body = 0;                     // number of its body, in the order in which they were joined
   std::vector<Index> node;          // (n_elements, nodes of the shape)
   Index first_element = 0;          // its number in the count through all blocks
   Index n_elements_per_layer = 0;   // layers of so many elements follow each other and are likely copies of the first;

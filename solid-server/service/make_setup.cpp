@@ -226,6 +226,7 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
   for (const v1::Contact& contact : solid.contact()) setup.contacts.push_back(make_contact(contact));
   for (const v1::PrescribedMotion& motion : solid.prescribed_motion()) add_prescribed_motion(motion, setup.supports);
   set_time_integration(solid.time_integration(), setup);
+  setup.keeps_energy_balance = solid.energy_balance();
   return setup;
 }
 

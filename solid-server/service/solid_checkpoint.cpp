@@ -7,7 +7,7 @@ namespace couplet::solid {
 
 namespace {
 
-constexpr const char* layout = "couplet solid 3";
+constexpr const char* layout = "couplet solid 4";
 
 NodeVectors read_nodes(const store::Hdf5File& file, const std::string& name, Eigen::Index n_nodes) {
   const surface::NodeArray values = file.read(name);
@@ -85,6 +85,8 @@ void write_checkpoint(const std::string& path, const SolidState& state) {
   file.write("interface_force", motion.interface_force);
   file.write_integer("has_interface_force", motion.has_interface_force);
   file.write_integer("kicks_done", motion.n_kicks_done);
+  file.write_number("external_work", motion.external_work);
+  file.write_number("damping_work", motion.damping_work);
   file.write_integer("method", static_cast<int>(state.method));
   file.write_text("why_method", state.why_method);
   file.write_integer("halvings", motion.n_halvings);
@@ -109,6 +111,8 @@ SolidState read_checkpoint(const std::string& path, const SolidState& like) {
   motion.interface_force = read_nodes(file, "interface_force", like.motion.interface_force.rows()).leftCols<3>();
   motion.has_interface_force = file.read_integer("has_interface_force") != 0;
   motion.n_kicks_done = static_cast<int>(file.read_integer("kicks_done"));
+  motion.external_work = file.read_number("external_work");
+  motion.damping_work = file.read_number("damping_work");
   state.method = static_cast<TimeMethod>(file.read_integer("method"));
   state.why_method = file.read_text("why_method");
   motion.n_halvings = static_cast<int>(file.read_integer("halvings"));

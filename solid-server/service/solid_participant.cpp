@@ -85,8 +85,7 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
   if (is_new) warn_of_contact_at_rest();
 
   const Motion& motion = model_->accepted().motion;
-  results_ = std::make_unique<ResultOutput>(request.scene.output(), request.run_folder,
-                                            request.scene.solid().body(0).name(), model_->mesh(), motion.time);
+  results_ = std::make_unique<ResultOutput>(request.scene, request.run_folder, *model_);
   results_->accept(motion);
 
   needs_force_ = request.scene.has_flow();
@@ -137,8 +136,19 @@ std::vector<participant::NamedNumber> SolidParticipant::accept_step(std::int64_t
       {"solid.contact_force", energy.contact_force, "N"},
       {"solid.substeps", static_cast<double>(model_->work_of_last_step().n_substeps), "1"}};
   if (model_->may_lose_stiffness()) numbers.push_back(softened_elements());
+  if (energy.flow) {
+    const auto& [work, damping] = *energy.flow;
+    numbers.push_back({"solid.external_work", work, "J"});
+    numbers.push_back({"solid.damping_work", damping, "J"});
+    numbers.push_back(
+        {"solid.energy_imbalance", energy.kinetic + energy.strain + energy.contact - work + damping, "J"});
+  }
   if (energy.contact_distance) numbers.push_back({"solid.contact_distance", *energy.contact_distance, "m"});
   if (!is_explicit()) add_implicit_numbers(numbers);
+  for (const Reaction& reaction : model_->reactions())
+    for (int axis = 0; axis < 3; ++axis)
+      numbers.push_back(
+          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
   for (Orifice& orifice : orifices_)
     numbers.push_back({orifice.name(), orifice.area(model_->accepted().motion.displacement), "m^2"});
   return numbers;
@@ -183,10 +193,6 @@ void SolidParticipant::add_implicit_numbers(std::vector<participant::NamedNumber
   numbers.push_back({"solid.residual", work.residual, "1"});
   if (model_->accepted().method == TimeMethod::static_equilibrium)
     numbers.push_back({"solid.negative_pivots", static_cast<double>(work.n_negative_pivots), "1"});
-  for (const Reaction& reaction : model_->reactions())
-    for (int axis = 0; axis < 3; ++axis)
-      numbers.push_back(
-          {"solid.reaction." + reaction.support + "." + std::string(1, "xyz"[axis]), reaction.force[axis], "N"});
 }
 
 std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {

@@ -13,8 +13,10 @@ namespace couplet::solid {
 /// Needs force (when the scene has a flow), offers displacement and velocity of the wetted nodes; alone,
 /// of the markers and probed nodes. accept_step reports
 /// solid.kinetic_energy, solid.strain_energy, solid.contact_energy [J], solid.contact_force [N] of the accepted state
-/// solid.substeps of its step, solid.softened_elements when a law may lose stiffness in compression, and the open area
-/// of each orifice [m^2].
+/// solid.substeps of its step, solid.softened_elements when a law may lose stiffness in compression, the force
+/// solid.reaction.NAME.x, .y, .z of each support [N] and the open area of each orifice [m^2]; when the scene asks for
+/// the energy balance and the method is explicit, solid.external_work, solid.damping_work and solid.energy_imbalance
+/// [J].
 class SolidParticipant : public participant::Participant {
  public:
   explicit SolidParticipant(participant::ServerOptions options) : options_(options) {}

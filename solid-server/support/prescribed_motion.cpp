@@ -1,5 +1,6 @@
 #include "solid-server/support/prescribed_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -18,6 +19,14 @@ HeldMotion::HeldMotion(const SolidMesh& mesh, const std::vector<PrescribedMotion
     position_.push_back(mesh.node_position.row(component.first));
     motion_.push_back(motion);
   }
+}
+
+std::optional<std::size_t> HeldMotion::number_of(const Component& component) const {
+  const auto key = [](const Component& c) { return std::pair{c.node, c.axis}; };
+  const auto found = std::lower_bound(components_.begin(), components_.end(), component,
+                                      [&](const Component& a, const Component& b) { return key(a) < key(b); });
+  if (found == components_.end() || key(*found) != key(component)) return std::nullopt;
+  return static_cast<std::size_t>(found - components_.begin());
 }
 
 double HeldMotion::displacement(std::size_t n, double time) const {

@@ -2,6 +2,7 @@
 // Nodes that are moved as the scene says.
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ class HeldMotion {
     int axis = 0;
   };
   const std::vector<Component>& components() const { return components_; }
+  std::optional<std::size_t> number_of(const Component& component) const;  // among them; empty: it is none of them
   bool is_empty() const { return components_.empty(); }
 
   double displacement(std::size_t n, double time) const;  // of component n [m]
@@ -49,7 +51,7 @@ class HeldMotion {
   void hold_acceleration(double time, double step, NodeVectors& acceleration) const;
 
  private:
-  std::vector<Component> components_;
+  std::vector<Component> components_;      // rising in node and axis
   std::vector<Eigen::Vector3d> position_;  // at rest, of each component's node [m]
   std::vector<std::size_t> motion_;        // of each component
   std::vector<PrescribedMotion> motions_;

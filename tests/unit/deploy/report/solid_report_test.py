@@ -91,7 +91,6 @@ class MomentTest(FolderTest):
         write_result(self.folder / "results", "body", "hexahedron8", position, cells, [0.0], lambda t: {"displacement": 0 * position})
         self.assertEqual(choose_moments(RunFolder(self.folder).bodies()), [0])
 
-
     def test_leaves_out_what_is_not_finite(self):
         position, cells = BOXES["hexahedron8"](1, 1, 1, (1.0, 1.0, 1.0))
         write_result(self.folder / "results", "body", "hexahedron8", position, cells, [0.0, 1.0, 2.0],
@@ -100,6 +99,15 @@ class MomentTest(FolderTest):
 
 
 class PictureTest(FolderTest):
+    def test_colours_by_a_scalar_in_kilopascals(self):
+        position, cells = BOXES["hexahedron8"](1, 1, 1, (1.0, 1.0, 1.0))
+        write_result(self.folder / "results", "body", "hexahedron8", position, cells, [0.0],
+                     lambda t: {"displacement": 0 * position, "largest_principal_stress": 1000 * position[:, :1]})
+        painter = Painter(RunFolder(self.folder).bodies(), [0], scalar="largest_principal_stress")
+        scale, words = painter.scale()
+        self.assertEqual(words, "largest principal stress [kPa]")
+        self.assertEqual(scale.get_clim(), (0.0, 1.0))
+
     def painter(self, displacement, may_enlarge=True):
         position, cells = BOXES["hexahedron20"](2, 2, 2, (1.0, 1.0, 1.0))
         write_result(self.folder / "results", "body", "hexahedron20", position, cells, [0.0, 1.0],

@@ -264,6 +264,20 @@ TEST(OutputRules, RefuseTheColumnOfAProbeThatDoesNotExist) {
           "\"exti\"; did you mean exit?"));
 }
 
+TEST(OutputRules, TakeTheReactionsOfSupports) {
+  EXPECT_THAT(complaints_about(with("column: \"exit.y\"", "column: \"solid.reaction.lateral.y\"")), IsEmpty());
+}
+
+TEST(OutputRules, RefuseFieldsOfTheSolidThatStandTwiceOrAreNeverStored) {
+  const std::string twice = with("solid {", "solid { field: CAUCHY_STRESS field: VOLUME_RATIO field: CAUCHY_STRESS");
+  const std::string stored = with("output {", "output { results_interval: 1e-3", twice);
+  EXPECT_THAT(complaints_about(stored), ElementsAre(testing::HasSubstr("solid.field[2]: CAUCHY_STRESS stands there "
+                                                                       "already; name each once")));
+  const std::string never = with("solid {", "solid { field: CAUCHY_STRESS");
+  EXPECT_THAT(complaints_about(never), ElementsAre(testing::HasSubstr("solid.field[0]: is never stored; give "
+                                                                      "output.results_interval")));
+}
+
 TEST(OutputRules, TakeColumnsThatOnlyTheServersKnow) {
   EXPECT_THAT(complaints_about(with("column: \"exit.y\"", "column: \"flow.rate\"")), IsEmpty());
 }

@@ -201,6 +201,40 @@ TEST(ResultFile, HoldsCellsOfEveryShape) {
   EXPECT_THAT(mixed, testing::HasSubstr("Dimensions=\"41 1\""));
 }
 
+TEST(ResultFile, HoldsFieldsOfCellsTensorsAndNumbersAlsoWhenItIsContinued) {
+  const TemporaryFolder folder;
+  ResultMesh mesh = two_bricks();
+  mesh.cell_number = {{"body_number", {0, 1}}, {"region_number", {4, 2}}};
+  const auto append = [](ResultWriter& writer, int state) {
+    FieldSet fields = fields_of(state);
+    fields.push_back({"cauchy_stress", "Pa", NodeArray::Constant(40, 9, 10 * state)});
+    writer.append(time_of(state), fields, {{"fibre_direction", "1", NodeArray::Constant(2, 3, state)}});
+  };
+  {
+    ResultWriter writer(folder.path(), "solid", mesh);
+    for (int state = 0; state < 20; ++state) append(writer, state);
+  }
+  auto writer = ResultWriter::continue_from(folder.path(), "solid", mesh, time_of(17));
+  for (int state = 18; state < 30; ++state) append(writer, state);
+  const ResultReader reader(folder.path(), "solid");
+  ASSERT_EQ(reader.n_states(), 30U);
+  EXPECT_THAT(reader.field_names(), testing::ElementsAre("displacement", "pressure", "cauchy_stress"));
+  EXPECT_THAT(reader.cell_field_names(), testing::ElementsAre("fibre_direction"));
+  ASSERT_EQ(reader.mesh().cell_number.size(), 2U);
+  EXPECT_EQ(reader.mesh().cell_number[1].name, "region_number");
+  EXPECT_THAT(reader.mesh().cell_number[1].value, testing::ElementsAre(4, 2));
+  for (std::size_t state = 0; state < 30; ++state) {
+    EXPECT_EQ(reader.field(state, "cauchy_stress"), NodeArray::Constant(40, 9, 10.0 * static_cast<double>(state)));
+    EXPECT_EQ(reader.field(state, "fibre_direction"), NodeArray::Constant(2, 3, static_cast<double>(state)));
+  }
+  const std::string listing = text_of(folder / "solid.xmf");
+  EXPECT_EQ(count(listing, "Name=\"cauchy_stress\" AttributeType=\"Tensor\" Center=\"Node\""), 30);
+  EXPECT_EQ(count(listing, "Name=\"fibre_direction\" AttributeType=\"Vector\" Center=\"Cell\""), 30);
+  EXPECT_EQ(count(listing, "solid.h5:/mesh/region_number"), 30);
+  mesh.cell_number[1].value[0] = 3;
+  EXPECT_THROW(ResultWriter::continue_from(folder.path(), "solid", mesh, 1.0), report::FileError);
+}
+
 TEST(ResultFile, SaysWhenTheDiskIsFullAndKeepsWhatThereIs) {
   const TemporaryFolder folder;
   const auto fill = [&] {

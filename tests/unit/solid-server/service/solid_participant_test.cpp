@@ -131,9 +131,13 @@ TEST(SolidParticipant, ReportsTheSameQuantitiesAtEveryStep) {
   Driven driven(request(solid_text + flow_text));
   for (int n = 0; n < 7; ++n) {
     driven.go();
-    EXPECT_THAT(names(driven.numbers),
-                testing::ElementsAre("solid.kinetic_energy", "solid.strain_energy", "solid.contact_energy",
-                                     "solid.contact_force", "solid.substeps"));
+    EXPECT_THAT(
+        names(driven.numbers),
+        testing::ElementsAre("solid.kinetic_energy", "solid.strain_energy", "solid.contact_energy",
+                             "solid.contact_force", "solid.substeps", "solid.reaction.lateral.x",
+                             "solid.reaction.lateral.y", "solid.reaction.lateral.z", "solid.reaction.anterior.x",
+                             "solid.reaction.anterior.y", "solid.reaction.anterior.z", "solid.reaction.posterior.x",
+                             "solid.reaction.posterior.y", "solid.reaction.posterior.z"));
   }
   EXPECT_GT(driven.numbers[0].value, 0);
   EXPECT_GE(driven.numbers[4].value, 1);
@@ -300,6 +304,34 @@ TEST(SolidParticipant, StoresStatesAtTheWantedTimesAlsoAfterAResume) {
   for (std::size_t n = 0; n < reader.n_states(); ++n) times.push_back(reader.time(n));
   EXPECT_THAT(times, testing::Pointwise(testing::DoubleNear(1e-12), {2e-5, 8e-5, 12e-5, 18e-5}));
   EXPECT_EQ(reader.field_names(), (std::vector<std::string>{"displacement", "velocity"}));
+}
+
+TEST(SolidParticipant, StoresTheFieldsThatTheSceneNames) {
+  const auto folder = fresh_folder("solid_fields");
+  auto open_request = request(solid_text + "output { results_interval: 2e-5 }");
+  open_request.run_folder = folder.string();
+  for (const auto field : {v1::Solid::CAUCHY_STRESS, v1::Solid::REGION_NUMBER, v1::Solid::VOLUME_RATIO})
+    open_request.scene.mutable_solid()->add_field(field);
+  Driven driven(open_request);
+  for (int n = 0; n < 8; ++n) driven.go();  // past the kick
+  driven.solid.close("done");
+  const store::ResultReader reader(folder / "results", "fold");
+  EXPECT_THAT(reader.field_names(), testing::ElementsAre("displacement", "velocity", "cauchy_stress", "volume_ratio"));
+  ASSERT_EQ(reader.n_states(), 9U);
+  EXPECT_EQ(reader.field(0, "cauchy_stress").cols(), 9);
+  EXPECT_GT(reader.field(8, "cauchy_stress").cwiseAbs().maxCoeff(), 1);  // [Pa]
+  EXPECT_EQ(reader.mesh().cell_number.front().value.size(), 24U);
+}
+
+TEST(SolidParticipant, ReportsTheEnergyBalanceWhenAsked) {
+  auto open_request = request(solid_text);
+  open_request.scene.mutable_solid()->set_energy_balance(true);
+  Driven driven(open_request);
+  for (int n = 0; n < 8; ++n) driven.go();
+  EXPECT_GT(value_of(driven.numbers, "solid.external_work"), 0);
+  EXPECT_GT(value_of(driven.numbers, "solid.damping_work"), 0);
+  EXPECT_LE(std::abs(value_of(driven.numbers, "solid.energy_imbalance")),
+            1e-2 * value_of(driven.numbers, "solid.external_work"));  // (omega h)^2/8 of the modes that move
 }
 
 TEST(SolidParticipant, WritesNothingWithoutARunFolder) {
