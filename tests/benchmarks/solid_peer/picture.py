@@ -13,7 +13,7 @@ DASHES = ["-", "--", ":", "-.", (0, (1, 3)), (0, (5, 4))]
 
 
 def draw(rows, family, path):
-    """One line for each program and setting, over its meshes."""
+    """One line for each program and setting, from mesh to finer mesh."""
     rows = [row for row in rows if row.get("family") == family and row["error"] and row["core_seconds"]]
     lines = {}
     for row in rows:
@@ -23,7 +23,6 @@ def draw(rows, family, path):
     figure, axes = pyplot.subplots(figsize=(6.4, 4.2), layout="constrained")
     count = dict.fromkeys(COLOURS, 0)
     for (program, setting), points in lines.items():
-        points.sort()
         axes.loglog(*zip(*points), marker="o", markersize=3.5, linewidth=1.2, color=COLOURS[program],
                     linestyle=DASHES[count[program] % len(DASHES)], label=f"{program} {setting}".strip())
         count[program] += 1
@@ -37,7 +36,7 @@ def draw(rows, family, path):
 
 
 def draw_all(rows, folder):
-    matplotlib.rcParams["svg.hashsalt"] = "couplet"  # the same picture has the same bytes
+    matplotlib.rcParams.update({"svg.hashsalt": "couplet", "svg.fonttype": "none"})  # the same picture has the same bytes, and few
     for family in TITLES:
         if any(row.get("family") == family and row["error"] for row in rows):
             draw(rows, family, folder / f"speed_{family}.svg")
