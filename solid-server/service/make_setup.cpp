@@ -8,6 +8,7 @@
 #include "proto/scene/make_time_table.hpp"
 #include "solid-server/assembly/machine_memory.hpp"
 #include "solid-server/mesh/fibre_rule.hpp"
+#include "solid-server/mesh/find_overlap.hpp"
 #include "solid-server/service/make_material.hpp"
 #include "solid-server/service/make_mesh.hpp"
 #include "solid-server/service/mesh_size.hpp"
@@ -152,6 +153,25 @@ ContactPair make_contact(const v1::Contact& contact) {
   return pair;
 }
 
+/// What overlaps at rest feels no contact: a point deep behind a face has nothing to do with it.
+void refuse_overlap_at_rest(const v1::Solid& solid, const SolidMesh& mesh) {
+  for (int c = 0; c < solid.contact_size(); ++c) {
+    const v1::Contact& contact = solid.contact(c);
+    const std::string where = entry("solid.contact", c),
+                      &second = contact.has_second() ? contact.second() : contact.first();
+    const auto& faces = mesh.find_surface(contact.first(), where + ".first");
+    const auto& others = mesh.find_surface(second, where + (contact.has_second() ? ".second" : ".first"));
+    auto found = find_overlap(mesh, faces, others);
+    if (!found) found = find_overlap(mesh, others, faces);
+    if (found)
+      throw report::SceneError(where,
+                               "the bodies overlap at rest: the node at " +
+                                   place_text(mesh.node_position.row(found->node)) + " is inside " +
+                                   mesh.describe_element(found->element),
+                               "move one of them, for example by its placement");
+  }
+}
+
 void add_loads(const v1::Solid& solid, SolidSetup& setup) {
   for (const v1::PressureLoad& load : solid.pressure()) setup.pressures.push_back(make_pressure(load));
   for (const v1::TractionLoad& load : solid.traction())
@@ -218,6 +238,7 @@ SolidSetup make_setup(const v1::Solid& solid, const std::filesystem::path& scene
     add_body(body, where, meshes.back(), solid.body_size() > 1 ? body.name() + "/" : "", setup);
   }
   setup.mesh = join_bodies(std::move(meshes), names);
+  refuse_overlap_at_rest(solid, setup.mesh);
   add_loads(solid, setup);
   setup.damping = {solid.body(0).mass_damping(), solid.settling().until(), solid.settling().mass_damping()};
   setup.damping.stiffness_factor = solid.body(0).stiffness_damping();
