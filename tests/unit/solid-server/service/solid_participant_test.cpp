@@ -1,7 +1,6 @@
 #include "solid-server/service/solid_participant.hpp"
 
 #include <gmock/gmock.h>
-#include <google/protobuf/text_format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,56 +8,10 @@
 
 #include "proto/report/failure.hpp"
 #include "proto/store/result_reader.hpp"
-#include "solid-server/mesh/parametric/box_mesh.hpp"
-#include "solid-server/service/estimate_solid.hpp"
-#include "solid-server/service/make_setup.hpp"
-#include "solid-server/service/mesh_size.hpp"
+#include "tests/unit/solid-server/service/fold_scene.hpp"
 
 namespace couplet::solid {
 namespace {
-
-constexpr double coupling_step = 2e-5;  // [s]
-
-const std::string solid_text = R"scene(
-  title: "a fold"
-  time { end: 1 step: 2e-5 }
-  solid {
-    body {
-      name: "fold"
-      vocal_fold { medial_thickness: 1.75e-3 elements_x: 3 elements_y: 4 elements_z: 4 half_length: true }
-      material { density: 1040 mooney_rivlin { a10: 2290 a01: 250 bulk_modulus: 1e5 } }
-      fixed: "lateral" fixed: "anterior"
-      symmetry { surface: "posterior" normal: Z }
-      wetted: "inferior" wetted: "medial" wetted: "superior"
-      mass_damping: 0.05
-    }
-    rigid_plane { y: 0.0101 }
-    settling { until: 1e-4 mass_damping: 400 }
-    kick { time: 1e-4 velocity { y: "0.6*(y/0.01)^2*sin(pi*z/0.02)"
-}
-}
-time_integration {
-estimate_every:
-  3
-}
-}
-)scene";
-const std::string flow_text = R"scene(
-  flow {
-    fluid { density: 1.1 viscosity: 1e-5 }
-    glottis { model: B1 subglottal_pressure { row { time: 0 value: 100 } } midplane: 0.0102 }
-  }
-)scene";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
-participant::OpenRequest request(const std::string& text) {
-  participant::OpenRequest out;
-  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &out.scene));
-  return out;
-}
 
 /// A solid that is led by hand.
 struct Driven {
@@ -96,24 +49,6 @@ std::filesystem::path fresh_folder(const std::string& name) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder / "results");
   return folder;
-}
-
-const participant::NamedNumber& find(const std::vector<participant::NamedNumber>& numbers, const std::string& name) {
-  const auto found = std::find_if(numbers.begin(), numbers.end(), [&](const auto& n) { return n.name == name; });
-  if (found == numbers.end()) throw std::out_of_range(name);
-  return *found;
-}
-double value_of(const std::vector<participant::NamedNumber>& numbers, const std::string& name) {
-  return find(numbers, name).value;
-}
-std::string text_of(const std::vector<participant::NamedNumber>& numbers, const std::string& name) {
-  return find(numbers, name).text;
-}
-
-std::vector<std::string> names(const std::vector<participant::NamedNumber>& numbers) {
-  std::vector<std::string> out;
-  for (const auto& number : numbers) out.push_back(number.name);
-  return out;
 }
 
 TEST(SolidParticipant, NeedsForceWhereThereIsAFlowAndNothingElsewhere) {
@@ -337,115 +272,6 @@ TEST(SolidParticipant, ReportsTheEnergyBalanceWhenAsked) {
 TEST(SolidParticipant, WritesNothingWithoutARunFolder) {
   Driven driven(request(solid_text + "output { results_interval: 4e-5 }"));
   EXPECT_NO_THROW(driven.go());
-}
-
-TEST(Estimate, SaysHowBigAndHowLong) {
-  const auto numbers = estimate_solid(request(solid_text), 1);
-  EXPECT_THAT(names(numbers),
-              testing::IsSupersetOf({"elements", "nodes", "degrees_of_freedom", "memory_bytes", "stable_step",
-                                     "substeps_per_step", "seconds_per_substep", "seconds"}));
-  for (const auto& number : numbers) EXPECT_NE(number.value > 0, !number.text.empty()) << number.name;
-  EXPECT_EQ(text_of(numbers, "time_integration"), "CENTRAL_DIFFERENCE");
-  EXPECT_EQ(text_of(numbers, "elements_of_body"), "24 of hexahedron20, 27 points, standard");
-  EXPECT_GT(value_of(numbers, "degrees_of_freedom"), value_of(numbers, "nodes"));
-  EXPECT_LT(value_of(numbers, "degrees_of_freedom"), 3 * value_of(numbers, "nodes"));  // supports hold some
-}
-
-TEST(Estimate, MeasuresImplicitAndStaticStepsByAFactorisation) {
-  for (const char* const method : {"GENERALIZED_ALPHA", "STATIC"}) {
-    auto implicit = request(solid_text);
-    implicit.scene.mutable_solid()->clear_kick();
-    v1::TimeIntegration::Method value{};
-    ASSERT_TRUE(v1::TimeIntegration::Method_Parse(method, &value));
-    implicit.scene.mutable_solid()->mutable_time_integration()->set_method(value);
-    const auto numbers = estimate_solid(implicit, 1);
-    EXPECT_EQ(text_of(numbers, "time_integration"), method);
-    EXPECT_EQ(value_of(numbers, "substeps_per_step"), 1);
-    EXPECT_NEAR(value_of(numbers, "seconds") / value_of(numbers, "seconds_per_step"), 50000, 1);  // 1 s of 2e-5 s
-    EXPECT_GT(value_of(numbers, "memory_bytes"), value_of(estimate_solid(request(solid_text), 1), "memory_bytes"));
-  }
-}
-
-TEST(Estimate, WarnsOfALongRunWithoutNumericalDissipation) {
-  const auto warns = [](double spectral_radius, double end) {
-    auto open = request(solid_text);
-    open.scene.mutable_time()->set_end(end);
-    auto* integration = open.scene.mutable_solid()->mutable_time_integration();
-    integration->set_method(v1::TimeIntegration::GENERALIZED_ALPHA);
-    integration->set_spectral_radius(spectral_radius);
-    const auto found = names(estimate_solid(open, 1));
-    return std::count(found.begin(), found.end(), "warning") == 1;
-  };
-  EXPECT_TRUE(warns(1, 1));
-  EXPECT_FALSE(warns(0.99, 1));
-  EXPECT_FALSE(warns(1, 100 * coupling_step));
-}
-
-TEST(MeshSize, RefusesWhatCannotBeNumberedOrHeld) {
-  auto large = request(solid_text).scene.solid();
-  auto& fold = *large.mutable_body(0)->mutable_vocal_fold();
-  EXPECT_NO_THROW(refuse_too_many_elements(large, 1e9));
-  EXPECT_EQ(n_elements_wanted(large.body(0)), 24);
-  EXPECT_EQ(make_setup(large, ".").mesh.n_elements(), 24);
-  fold.set_elements_x(100);
-  fold.set_elements_y(100);
-  fold.set_elements_z(100);
-  const auto message = [&](double memory) -> std::string {
-    try {
-      refuse_too_many_elements(large, memory);
-    } catch (const report::SceneError& error) {
-      return error.what();
-    }
-    return "";
-  };
-  EXPECT_EQ(message(1e9), "");
-  EXPECT_EQ(message(5e8),
-            "solid.body[0].vocal_fold: 500000 elements need at least 1 GB of memory, but this machine has 0 GB; give "
-            "fewer elements");
-  fold.set_elements_x(1000);
-  fold.set_elements_y(1000);
-  fold.set_elements_z(1000);
-  EXPECT_EQ(message(1e15),
-            "solid.body[0].vocal_fold: 5e+08 elements are more than the 107 million that can be numbered; give fewer "
-            "elements");
-}
-
-TEST(Placement, TurnsAndMovesABody) {
-  v1::Solid solid;
-  const std::string text = R"(body {
-      name: "block"
-      box { length { x: 3 y: 2 z: 1 } }
-      material { density: 1 neo_hookean { shear_modulus: 1 bulk_modulus: 1 } }
-      fixed: "x_min"
-      placement { rotation_axis { z: 2 } rotation_angle: 90 translation { x: 10 y: 20 z: 30 } }
-    })";
-  ASSERT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &solid));
-  const SolidMesh mesh = make_setup(solid, ".").mesh;
-  // (x, y, z) -> (10 - y, 20 + x, 30 + z), to the round-off of 30 m.
-  EXPECT_TRUE(mesh.node_position.colwise().minCoeff().isApprox(Eigen::RowVector3d(8, 20, 30), 1e-15));
-  EXPECT_TRUE(mesh.node_position.colwise().maxCoeff().isApprox(Eigen::RowVector3d(10, 23, 31), 1e-15));
-  for (const Index node : mesh.find_nodes("x_min", "")) EXPECT_NEAR(mesh.node_position(node, 1), 20, 1e-14);
-
-  solid.mutable_body(0)->mutable_placement()->mutable_rotation_axis()->set_z(0);
-  try {
-    make_setup(solid, ".");
-    ADD_FAILURE() << "an axis without a direction is accepted";
-  } catch (const report::SceneError& error) {
-    EXPECT_STREQ(error.what(),
-                 "solid.body[0].placement.rotation_axis: the axis (0, 0, 0) has no direction; give it a length");
-  }
-}
-
-TEST(WorthwhileThreads, AreNeverMoreThanOfferedAndOneForASmallBody) {
-  SolidSetup setup;
-  setup.mesh = make_box_mesh({{1, 1, 1}, {10, 10, 10}});
-  setup.properties = {{MooneyRivlin{1, 1, 1}, 1, 8}};
-  EXPECT_EQ(worthwhile_threads(4, setup), 2);  // 8000 points, at least 4000 for each
-  setup.properties.front().n_points = 27;
-  EXPECT_EQ(worthwhile_threads(4, setup), 4);
-  EXPECT_GE(worthwhile_threads(0, setup), 1);
-  setup.mesh = make_box_mesh({{1, 1, 1}, {2, 2, 2}});
-  EXPECT_EQ(worthwhile_threads(4, setup), 1);
 }
 
 }  // namespace
