@@ -13,6 +13,7 @@
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/shape_functions.hpp"
+#include "tests/unit/solid-server/element/element_cases.hpp"
 #include "tests/unit/solid-server/element/meshes_of_shapes.hpp"
 #include "tests/unit/solid-server/material/material_examples.hpp"
 
@@ -20,30 +21,6 @@ namespace couplet::solid {
 namespace {
 
 using Formulation = ElementFormulation;
-
-struct Case {
-  const char* name;
-  ElementShape shape;
-  Formulation formulation;
-  int n_points;
-};
-
-std::ostream& operator<<(std::ostream& out, const Case& c) {
-  return out << c.name;
-}
-
-constexpr Case cases[] = {
-    {"hexahedron20_8", ElementShape::hexahedron20, Formulation::standard, 8},
-    {"hexahedron20_14", ElementShape::hexahedron20, Formulation::standard, 14},
-    {"hexahedron20_27", ElementShape::hexahedron20, Formulation::standard, 27},
-    {"hexahedron20_near_incompressible_8", ElementShape::hexahedron20, Formulation::near_incompressible, 8},
-    {"hexahedron20_near_incompressible_14", ElementShape::hexahedron20, Formulation::near_incompressible, 14},
-    {"hexahedron20_near_incompressible_27", ElementShape::hexahedron20, Formulation::near_incompressible, 27},
-    {"tetrahedron10", ElementShape::tetrahedron10, Formulation::standard, 4},
-    {"tetrahedron10_near_incompressible", ElementShape::tetrahedron10, Formulation::near_incompressible, 4},
-    {"hexahedron8_stabilised", ElementShape::hexahedron8, Formulation::stabilised, 1},
-    {"hexahedron8_8", ElementShape::hexahedron8, Formulation::standard, 8},
-};
 
 std::vector<Material> laws_of(const Case& c) {
   std::vector<Material> laws = {example<NeoHookean>(), example<MooneyRivlin>(), example<HolzapfelGasserOgden>()};

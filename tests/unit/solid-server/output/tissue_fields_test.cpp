@@ -10,6 +10,7 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/element/point_state.hpp"
+#include "tests/unit/solid-server/element/element_cases.hpp"
 #include "tests/unit/solid-server/element/meshes_of_shapes.hpp"
 #include "tests/unit/solid-server/material/material_examples.hpp"
 
@@ -17,29 +18,6 @@ namespace couplet::solid {
 namespace {
 
 using Formulation = ElementFormulation;
-
-struct Case {
-  const char* name;
-  ElementShape shape;
-  Formulation formulation;
-  int n_points;
-};
-
-std::ostream& operator<<(std::ostream& out, const Case& c) {
-  return out << c.name;
-}
-
-constexpr Case cases[] = {
-    {"hexahedron20_8", ElementShape::hexahedron20, Formulation::standard, 8},
-    {"hexahedron20_14", ElementShape::hexahedron20, Formulation::standard, 14},
-    {"hexahedron20_27", ElementShape::hexahedron20, Formulation::standard, 27},
-    {"hexahedron20_near_incompressible_8", ElementShape::hexahedron20, Formulation::near_incompressible, 8},
-    {"hexahedron20_near_incompressible_27", ElementShape::hexahedron20, Formulation::near_incompressible, 27},
-    {"tetrahedron10", ElementShape::tetrahedron10, Formulation::standard, 4},
-    {"tetrahedron10_near_incompressible", ElementShape::tetrahedron10, Formulation::near_incompressible, 4},
-    {"hexahedron8_stabilised", ElementShape::hexahedron8, Formulation::stabilised, 1},
-    {"hexahedron8_8", ElementShape::hexahedron8, Formulation::standard, 8},
-};
 
 const std::vector<TissueField> all_fields = {TissueField::cauchy_stress,    TissueField::largest_principal_stress,
                                              TissueField::von_mises_stress, TissueField::volume_ratio,
