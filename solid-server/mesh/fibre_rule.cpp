@@ -5,7 +5,6 @@
 #include <string>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/element/shape_functions.hpp"
 
 namespace couplet::solid {
 
@@ -46,20 +45,6 @@ class AxesOfElement {
                                mesh_.describe_element(block_.first_element + element) +
                                    " stands on the line that fibres run around, or the line has no direction",
                                "choose another line");
-    return *axes;
-  }
-
-  MaterialAxes operator()(const LatticeFibres&) const {
-    if (block_.shape == ElementShape::tetrahedron10)
-      throw report::SceneError(where_, "tetrahedra have no lattice directions",
-                               "give constant or circumferential fibres");
-    const auto nodes = block_.nodes_of(element);
-    const auto gradient = shape_gradient(block_.shape, Eigen::Vector3d::Zero());
-    Eigen::Matrix3d jacobian = Eigen::Matrix3d::Zero();  // dX_J/dxi_k, (J, k)
-    for (std::size_t a = 0; a < nodes.size(); ++a)
-      jacobian += mesh_.node_position.row(nodes[a]).transpose() * gradient.row(static_cast<Eigen::Index>(a));
-    const auto axes = perpendicular_axes(jacobian.col(0), jacobian.col(1));
-    if (!axes) throw report::SceneError(where_, mesh_.describe_element(block_.first_element + element) + " is flat");
     return *axes;
   }
 

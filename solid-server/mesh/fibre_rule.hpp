@@ -21,14 +21,10 @@ struct CircumferentialFibres {
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  // of the line
 };
 
-/// Along the first direction of a structured mesh: dX/dxi at the element's middle; the second axis is across it towards
-/// dX/deta. Hexahedra only.
-struct LatticeFibres {};
-
-using FibreRule = std::variant<ConstantFibres, CircumferentialFibres, LatticeFibres>;
+using FibreRule = std::variant<ConstantFibres, CircumferentialFibres>;
 
 /// Axes of every element of a block, (n_elements). Throws SceneError naming `where` for directions without a length or
-/// parallel ones, for an element on the line, and for tetrahedra without a lattice.
+/// parallel ones, and for an element on the line.
 std::vector<MaterialAxes> axes_by_rule(const FibreRule& rule, const SolidMesh& mesh, const ElementBlock& block,
                                        const std::string& where);
 

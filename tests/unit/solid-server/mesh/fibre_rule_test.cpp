@@ -33,32 +33,20 @@ TEST(FibreRule, GivesConstantDirections) {
             "each other");
 }
 
-TEST(FibreRule, GivesDirectionsAroundALineAndAlongTheLattice) {
+TEST(FibreRule, GivesDirectionsAroundALine) {
   SolidMesh mesh = make_annulus_mesh({1, 2, 1, std::numbers::pi / 2, {1, 3, 1}});
   const auto around = axes_by_rule(CircumferentialFibres{{0, 0, 7}, {0, 0, 2}}, mesh, mesh.block.front(), "");
-  const auto lattice = axes_by_rule(LatticeFibres{}, mesh, mesh.block.front(), "");
   for (std::size_t e = 0; e < 3; ++e) {
     const double theta = (static_cast<double>(e) + 0.5) * std::numbers::pi / 6;
-    const Eigen::Vector3d radial(std::cos(theta), std::sin(theta), 0), tangential(-std::sin(theta), std::cos(theta), 0);
+    const Eigen::Vector3d tangential(-std::sin(theta), std::cos(theta), 0);
     EXPECT_LE((around[e][0] - tangential).norm(), 1e-14);
     EXPECT_LE((around[e][1] - Eigen::Vector3d::UnitZ()).norm(), 1e-14);
-    EXPECT_LE((lattice[e][0] - radial).norm(), 1e-14);  // across the wall first, then around
-    EXPECT_LE((lattice[e][1] - tangential).norm(), 1e-14);
   }
   const SolidMesh box = make_box_mesh({});
   EXPECT_EQ(
       refusal(CircumferentialFibres{{0.5, 0.5, 0}, {0, 0, 1}}, box),
       "solid.fibres: element 0 at (0.5, 0.5, 0.5) m stands on the line that fibres run around, or the line has no "
       "direction; choose another line");
-}
-
-TEST(FibreRule, RefusesALatticeOfTetrahedra) {
-  SolidMesh mesh;
-  mesh.node_position = NodePositions::Random(10, 3);
-  mesh.block.emplace_back().shape = ElementShape::tetrahedron10;
-  mesh.block.front().node = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9};
-  EXPECT_EQ(refusal(LatticeFibres{}, mesh),
-            "solid.fibres: tetrahedra have no lattice directions; give constant or circumferential fibres");
 }
 
 }  // namespace
