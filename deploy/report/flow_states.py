@@ -1,4 +1,4 @@
-"""Reads fields of the flow over time from results/flow.h5 (flow-server/output/field_writer.hpp)."""
+"""Reads fields of the flow over time from results/flow.h5, which shows the files of all states (flow-server/output/field_writer.hpp)."""
 
 import h5py
 import numpy
@@ -11,7 +11,7 @@ class FlowStates:
         self.path = folder / "flow.h5"
         with h5py.File(self.path, "r") as file:
             self.regions = list(file["grid"])
-            self.groups = [name for name in sorted(file.get("state", {})) if "time" in file["state"][name]]
+            self.groups = sorted(file.get("state", {}))
             self.time = numpy.array([float(file[f"state/{name}/time"][0]) for name in self.groups])
 
     def __len__(self):

@@ -64,11 +64,6 @@ store::Hdf5Handle collective_transfer() {
   return store::Hdf5Handle(H5Pcopy(transfer), H5Pclose);
 }
 
-herr_t note_name(hid_t, const char* name, const H5L_info_t*, void* names) {
-  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
-  return 0;
-}
-
 }  // namespace
 
 ParallelFile ParallelFile::open(const std::filesystem::path& path, unsigned mode, MPI_Comm communicator) {
@@ -78,16 +73,11 @@ ParallelFile ParallelFile::open(const std::filesystem::path& path, unsigned mode
   H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
   H5Pset_coll_metadata_write(access, true);
   H5Pset_all_coll_metadata_ops(access, true);
-  const bool is_new = (mode & H5F_ACC_TRUNC) != 0;
+  const bool is_new = mode == H5F_ACC_TRUNC;
   const hid_t file = is_new ? H5Fcreate(path.c_str(), mode, H5P_DEFAULT, access) : H5Fopen(path.c_str(), mode, access);
   if (!holds_everywhere(file >= 0, communicator)) {
-    const bool is_read = mode == H5F_ACC_RDONLY;
-    throw report::FileError(
-        path.string(),
-        is_new    ? "cannot make this file"
-        : is_read ? "cannot read this as an HDF5 file"
-                  : "cannot write to this as an HDF5 file",
-        is_read ? "check the path, or make the file again" : "check the folder and its permissions");
+    throw report::FileError(path.string(), is_new ? "cannot make this file" : "cannot read this as an HDF5 file",
+                            is_new ? "check the folder and its permissions" : "check the path, or make the file again");
   }
   return ParallelFile(path, file, communicator);
 }
@@ -98,10 +88,6 @@ ParallelFile ParallelFile::create(const std::filesystem::path& path, MPI_Comm co
 
 ParallelFile ParallelFile::open_for_reading(const std::filesystem::path& path, MPI_Comm communicator) {
   return open(path, H5F_ACC_RDONLY, communicator);
-}
-
-ParallelFile ParallelFile::open_for_appending(const std::filesystem::path& path, MPI_Comm communicator) {
-  return open(path, H5F_ACC_RDWR, communicator);
 }
 
 ParallelFile::ParallelFile(ParallelFile&& other) noexcept
@@ -170,18 +156,6 @@ bool ParallelFile::contains(const std::string& name) const {
   }
 }
 
-std::vector<std::string> ParallelFile::names_in(const std::string& group) const {
-  std::vector<std::string> names;
-  if (!contains(group)) return names;
-  const store::Hdf5Handle opened(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);
-  H5Literate(opened, H5_INDEX_NAME, H5_ITER_INC, nullptr, note_name, &names);
-  return names;
-}
-
-void ParallelFile::remove(const std::string& name) {
-  break_off_unless(H5Ldelete(file_, name.c_str(), H5P_DEFAULT) >= 0, name, "cannot be removed");
-}
-
 void ParallelFile::write_list(const std::string& name, const std::vector<double>& values) {
   const hsize_t n = values.size();
   write(name, {{n}, {0}, {rank_of(communicator_) == 0 ? n : 0}}, values.data(), Precision::full);
@@ -223,13 +197,9 @@ std::string ParallelFile::read_text(const std::string& name) const {
   return text;
 }
 
-void ParallelFile::flush() {
-  break_off_unless(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0, "", "cannot be written to the disk");
-}
-
 void ParallelFile::close() {
   if (file_ < 0) return;
-  flush();
+  break_off_unless(H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0, "", "cannot be written to the disk");
   const bool is_well = H5Fclose(std::exchange(file_, hid_t{-1})) >= 0;
   break_off_unless(is_well, "", "cannot be closed");
 }

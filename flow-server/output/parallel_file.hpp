@@ -25,7 +25,6 @@ class ParallelFile {
  public:
   static ParallelFile create(const std::filesystem::path& path, MPI_Comm communicator);  // an existing file is replaced
   static ParallelFile open_for_reading(const std::filesystem::path& path, MPI_Comm communicator);
-  static ParallelFile open_for_appending(const std::filesystem::path& path, MPI_Comm communicator);
   ParallelFile(ParallelFile&& other) noexcept;
   ParallelFile& operator=(ParallelFile&&) = delete;
   ~ParallelFile();
@@ -36,9 +35,6 @@ class ParallelFile {
   void write(const std::string& name, const ArrayBlock& block, const double* values, Precision precision);
   void read(const std::string& name, const ArrayBlock& block, double* values) const;
   bool contains(const std::string& name) const;
-  /// Names in a group, in rising order; none where there is no such group.
-  std::vector<std::string> names_in(const std::string& group) const;
-  void remove(const std::string& name);
 
   /// Equal on all ranks; rank 0 writes them.
   void write_list(const std::string& name, const std::vector<double>& values);
@@ -46,8 +42,7 @@ class ParallelFile {
   std::vector<double> read_list(const std::string& name) const;
   std::string read_text(const std::string& name) const;
 
-  /// What was written reaches the file: it can be read up to here whatever happens later.
-  void flush();
+  /// What was written reaches the disk; errors are thrown here and not in the destructor.
   void close();
 
  private:

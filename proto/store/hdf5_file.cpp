@@ -188,6 +188,10 @@ void Hdf5File::write(const std::string& name, const std::vector<std::int64_t>& v
   write_dataset(name, H5T_STD_I64LE, H5T_NATIVE_INT64, shape, values.data());
 }
 
+void Hdf5File::write(const std::string& name, const std::vector<double>& values) {
+  write_dataset(name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, {values.size()}, values.data());
+}
+
 void Hdf5File::write_float(const std::string& name, const surface::NodeArray& values) {
   write_dataset(name, H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, shape_of(values), values.data());
 }
@@ -217,6 +221,14 @@ bool Hdf5File::contains(const std::string& name) const {
     if (H5Lexists(file_, part.c_str(), H5P_DEFAULT) <= 0) return false;
     if (end == std::string::npos) return true;
   }
+}
+
+void Hdf5File::link_to_file(const std::string& name, const std::string& other_file) {
+  const Guard guard(hdf5_guard());
+  const Hdf5Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links, 1);
+  if (H5Lcreate_external(other_file.c_str(), "/", file_, name.c_str(), links, H5P_DEFAULT) < 0)
+    break_off(name, "cannot be made");
 }
 
 hid_t Hdf5File::open_dataset(const std::string& name, H5T_class_t expected, const std::string& what) const {

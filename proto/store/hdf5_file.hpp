@@ -25,13 +25,17 @@ class Hdf5File {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Whole arrays, (n_rows, n_columns). Groups in the name ("a/b") are made.
+  /// Whole arrays, (n_rows, n_columns), and lists. Groups in the name ("a/b") are made.
   void write(const std::string& name, const surface::NodeArray& values);
   void write(const std::string& name, const std::vector<std::int64_t>& values, std::int64_t n_columns = 1);
+  void write(const std::string& name, const std::vector<double>& values);
   void write_float(const std::string& name, const surface::NodeArray& values);  // stored in single precision
   surface::NodeArray read(const std::string& name) const;
   std::vector<std::int64_t> read_integers(const std::string& name) const;
   bool contains(const std::string& name) const;
+  /// Lets `name` stand for all that lies in another file, whose path is relative to the folder of this one. The other
+  /// file need not be there yet.
+  void link_to_file(const std::string& name, const std::string& other_file);
 
   /// Makes room for an array that is written later without HDF5, and tells where its first byte will lie in the file:
   /// dense, little-endian, no zeros written. One column makes a vector. The place holds after close().

@@ -42,15 +42,23 @@ RunFolder make_run_folder(const std::filesystem::path& path) {
   return RunFolder{path};
 }
 
+std::filesystem::path unfinished(const std::filesystem::path& path) {
+  return path.string() + ".part";
+}
+
+void put_in_place(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::rename(unfinished(path), path, error);
+  if (error) refuse(path, "cannot write", error.value());
+}
+
 void write_file(const std::filesystem::path& path, const std::string& text) {
-  const std::filesystem::path part = path.string() + ".part";
+  const std::filesystem::path part = unfinished(path);
   const int file = ::open(part.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file < 0) refuse(path, "cannot write", errno);
   write_all(file, part, path, text);
   if (::close(file) != 0) refuse(path, "cannot write", errno);  // some file systems report a full disk only here
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) refuse(path, "cannot write", error.value());
+  put_in_place(path);
 }
 
 }  // namespace couplet::store

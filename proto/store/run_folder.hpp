@@ -22,7 +22,14 @@ struct RunFolder {
 /// Makes the folder and results/ in it; throws FileError naming the folder and the reason.
 RunFolder make_run_folder(const std::filesystem::path& path);
 
-/// Writes the whole text or nothing: a temporary name in the same folder, then a rename. Throws FileError.
+/// The name of a file while it is written, in the folder of `path`. What stays behind under it after a kill is
+/// worthless.
+std::filesystem::path unfinished(const std::filesystem::path& path);
+/// Gives what was written under the unfinished name its own, in place of any file of that name, in one step. Throws
+/// FileError.
+void put_in_place(const std::filesystem::path& path);
+
+/// Writes the whole text or nothing. Throws FileError.
 void write_file(const std::filesystem::path& path, const std::string& text);
 
 }  // namespace couplet::store

@@ -10,6 +10,7 @@
 
 #include "proto/report/failure.hpp"
 #include "proto/store/result_layout.hpp"
+#include "proto/store/run_folder.hpp"
 
 namespace couplet::store {
 
@@ -68,7 +69,7 @@ void cut_block(const std::filesystem::path& path, std::int64_t n_states) {
 StateBlock::StateBlock(const std::filesystem::path& path, std::int64_t n_slots, const StateRows& rows,
                        const std::vector<XdmfField>& arrays, const ResultMesh* mesh)
     : path_(path), n_slots_(n_slots) {
-  const std::filesystem::path part = path.string() + ".part";
+  const std::filesystem::path part = unfinished(path);
   Hdf5File file = Hdf5File::create(part);
   if (mesh != nullptr) write_mesh(file, *mesh);
   file.write_text("field_names", joined_names(arrays, false));
@@ -83,11 +84,12 @@ StateBlock::StateBlock(const std::filesystem::path& path, std::int64_t n_slots, 
   file.close();
   file_ = open_for_writing(part);
   write_at(count_offset_, &n_states_, sizeof n_states_);
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (!error) return;
-  ::close(file_);
-  throw report::FileError(path.string(), "cannot write: " + error.message(), "check the folder and its permissions");
+  try {
+    put_in_place(path);
+  } catch (...) {
+    ::close(file_);  // no destructor runs for what was never made
+    throw;
+  }
 }
 
 StateBlock::~StateBlock() {

@@ -20,6 +20,7 @@ def measure(couplet, scene, elements, threads, cycles, out):
     settings = [f"{FOLD}.elements_x={nx}", f"{FOLD}.elements_y={ny}", f"{FOLD}.elements_z={nz}", f"{FOLD}.half_length=false",
                 "flow.glottis.half_length=false", "solid.body[0].symmetry=[]", "solid.body[0].fixed[2]=posterior",
                 f"time.end={cycles * CYCLE:.6f}", f"time.step={STEP}",
+                "solid.body[0].stiffness_damping=0",  # as the dissertation's tissue
                 "output.quantity=[]", "output.results_start=0", "output.results_interval=1"]
     command = [couplet, "run", scene, "--out", str(folder), "--quiet", "--solid-threads", str(threads)]
     for setting in settings:

@@ -9,6 +9,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from xml.etree import ElementTree
 
 import h5py
 import meshio
@@ -88,11 +89,20 @@ class FlowRanksTest(FaultCase):
         return self.start("--flow-ranks", str(n_ranks), *arguments, scene=FLOW_SCENE, common=(), settings=settings)
 
     def expect_readable_states(self, run, n_states):
-        with h5py.File(run.out / "results" / "flow.h5") as file:
-            complete = [state for state in file["state"].values() if "time" in state]
-            self.assertGreaterEqual(len(complete), n_states)
-            for state in complete:
+        """Every state that the results name is complete, for those who read flow.h5 and for those who read the .xmf."""
+        results = run.out / "results"
+        with h5py.File(results / "flow.h5") as file:
+            self.assertGreaterEqual(len(file["state"]), n_states)
+            for name in file["state"]:
+                state = file["state"][name]
+                self.assertEqual(state["time"].shape, (1,))
                 self.assertEqual(state["flow/velocity"][()].shape, (32, 32, 32, 3))
+        listing = ElementTree.parse(results / "flow.xmf")
+        self.assertGreaterEqual(len(listing.findall(".//Time")), n_states)
+        for item in listing.iter("DataItem"):
+            name, _, place = item.text.partition(":")
+            with h5py.File(results / name) as file:
+                self.assertEqual(file[place][()].shape, tuple(int(n) for n in item.get("Dimensions").split()))
 
     def lose(self, which, number, within):
         run = self.start_flow(settings=[f"coupling.heartbeat_deadline={HEARTBEAT}"])

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 FOLD = "solid.body[0].vocal_fold"
 LAW = "solid.body[0].material"
+UNDAMPED = ["solid.body[0].stiffness_damping=0"]  # as the dissertation's tissue; the scene has 2 us
 VISCOUS = ["solid.body[0].stiffness_damping=1e-6"]
 SVK = f"{LAW}.saint_venant_kirchhoff={{young_modulus: 15e3 poisson_ratio: 0.475}}"
 

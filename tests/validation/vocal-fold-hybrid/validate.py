@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy
 
-from cases import CASES
+from cases import CASES, UNDAMPED
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
@@ -20,7 +20,7 @@ SCENE = HERE.parents[2] / "deploy" / "scenes" / "vocal-fold-hybrid" / "scene.txt
 
 def run_case(case, couplet, out, extra):
     """Runs a case unless its folder holds the same finished run; returns its folder and exit code."""
-    settings = case.settings + extra
+    settings = UNDAMPED + case.settings + extra
     if case.kind == "cycle":
         settings += [f"output.quantity[{i}].window={case.window}" for i in range(5)]
     if "output.results_start=0" not in settings:

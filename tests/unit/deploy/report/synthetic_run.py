@@ -105,11 +105,13 @@ def write_flow_run(folder, n_cells=(16, 16, 16), n_states=3):
             file[f"grid/flow/{axis}"] = values
         x, y, z = numpy.meshgrid(*[0.5 * (f[1:] + f[:-1]) for f in faces], indexing="ij")
         for state in range(n_states):
-            group = f"state/{state:06d}"
             velocity = numpy.stack([numpy.sin(x) * numpy.cos(y), -numpy.cos(x) * numpy.sin(y), 0 * z], axis=-1) / (1 + state)
-            file[f"{group}/flow/velocity"] = velocity.transpose(2, 1, 0, 3).astype("f4")
-            file[f"{group}/flow/pressure"] = (numpy.cos(2 * x) + numpy.cos(2 * y)).transpose(2, 1, 0).astype("f4")
-            file[f"{group}/time"] = numpy.array([0.5 * state])
+            name = f"flow.{state:06d}.h5"
+            with h5py.File(folder / "results" / name, "w") as own:
+                own["flow/velocity"] = velocity.transpose(2, 1, 0, 3).astype("f4")
+                own["flow/pressure"] = (numpy.cos(2 * x) + numpy.cos(2 * y)).transpose(2, 1, 0).astype("f4")
+                own["time"] = numpy.array([0.5 * state])
+            file[f"state/{state:06d}"] = h5py.ExternalLink(name, "/")
     (folder / "results" / "flow.xmf").write_text("<Xdmf/>")
     columns = ["time [s]", "dt [s]", "inner_iterations [1]", "flow.substeps [1]", "flow.courant [1]", "flow.largest_speed [m/s]",
                "flow.divergence [1/s]", "flow.pressure_iterations [1]", "flow.pressure_residual [1]", "flow.kinetic_energy [J]",

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -13,8 +14,10 @@
 namespace couplet::flow {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::UnorderedElementsAre;
 
 FormulaFlow linear_flow() {
   return {
@@ -98,28 +101,101 @@ TEST(FieldWriter, ListsEveryStateForParaView) {
   EXPECT_THAT(text, HasSubstr("<Time Value=\"0.25\"/>"));
   EXPECT_THAT(text, HasSubstr("TopologyType=\"3DRectMesh\" Dimensions=\"10 12 14\""));
   EXPECT_THAT(text, HasSubstr("AttributeType=\"Vector\" Center=\"Cell\"><DataItem NumberType=\"Float\" Precision=\"8\" "
-                              "Dimensions=\"9 11 13 3\" Format=\"HDF\">flow.h5:/state/000001/flow/velocity<"));
+                              "Dimensions=\"9 11 13 3\" Format=\"HDF\">flow.000001.h5:/flow/velocity<"));
+  EXPECT_THAT(text, HasSubstr("Format=\"HDF\">flow.h5:/grid/flow/x<"));
+}
+
+/// Names of all files in a folder, in rising order.
+std::vector<std::string> files_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Leaves the results of states at 0, 1, 2 and 3 s.
+void write_four_states(const std::filesystem::path& folder) {
+  FormulaFlow flow = linear_flow();
+  FieldWriter writer(folder, flow.grid, flow.decomposition, {whole(flow.grid)}, 0);
+  for (const double time : {0.0, 1.0, 2.0, 3.0}) {
+    flow.state.time = time;
+    writer.append(flow.part());
+  }
 }
 
 TEST(FieldWriter, ContinuesAndDropsWhatIsLater) {
   const SharedFolder folder("field-continued");
+  write_four_states(folder.path());
   FormulaFlow flow = linear_flow();
-  {
-    FieldWriter writer(folder.path(), flow.grid, flow.decomposition, {whole(flow.grid)}, 0);
-    for (const double time : {0.0, 1.0, 2.0, 3.0}) {
-      flow.state.time = time;
-      writer.append(flow.part());
-    }
-  }
   {
     FieldWriter writer(folder.path(), flow.grid, flow.decomposition, {whole(flow.grid)}, 1.5);
     EXPECT_THAT(text_of(folder.path() / "flow.xmf"), Not(HasSubstr("Value=\"2\"")));
+    EXPECT_THAT(files_in(folder.path()), ElementsAre("flow.000000.h5", "flow.000001.h5", "flow.h5", "flow.xmf"));
     flow.state.time = 1.75;
     writer.append(flow.part());
   }
-  const ParallelFile file = ParallelFile::open_for_reading(folder.path() / "flow.h5", MPI_COMM_WORLD);
-  EXPECT_EQ(file.names_in("state").size(), 3u);
-  EXPECT_EQ(file.read_list("state/000002/time").front(), 1.75);
+  EXPECT_THAT(files_in(folder.path()),
+              ElementsAre("flow.000000.h5", "flow.000001.h5", "flow.000002.h5", "flow.h5", "flow.xmf"));
+  EXPECT_EQ(read_all(folder.path() / "flow.h5", "state/000001/time", {1}).front(), 1);
+  EXPECT_EQ(read_all(folder.path() / "flow.h5", "state/000002/time", {1}).front(), 1.75);
+  EXPECT_THAT(text_of(folder.path() / "flow.xmf"), HasSubstr("<Time Value=\"1\"/>"));
+  EXPECT_THAT(text_of(folder.path() / "flow.xmf"), HasSubstr("<Time Value=\"1.75\"/>"));
+}
+
+TEST(FieldWriter, StartsAnewWithoutWhatIsThere) {
+  const SharedFolder folder("field-anew");
+  write_four_states(folder.path());
+  const FormulaFlow flow = linear_flow();
+  const FieldWriter writer(folder.path(), flow.grid, flow.decomposition, {part_with_stride()}, 0);
+  EXPECT_THAT(files_in(folder.path()), ElementsAre("flow.h5", "flow.xmf", "part.xmf"));
+}
+
+TEST(FieldWriter, RemovesWhatAKillLeftUnfinishedAndNothingElse) {
+  const SharedFolder folder("field-unfinished");
+  write_four_states(folder.path());
+  const std::vector<std::string> others{"fold.h5.part", "flow.0001.h5", "flow.txt.part"};
+  if (rank_of_test() == 0) {
+    for (const std::string name : {"flow.h5.part", "flow.xmf.part", "flow.000004.h5.part"})
+      std::ofstream(folder.path() / name) << "a torn ";
+    for (const std::string& name : others) std::ofstream(folder.path() / name) << "of somebody else";
+  }
+  MPI_Barrier(MPI_COMM_WORLD);
+  const FormulaFlow flow = linear_flow();
+  const FieldWriter writer(folder.path(), flow.grid, flow.decomposition, {whole(flow.grid)}, 0.5);
+  EXPECT_THAT(files_in(folder.path()), UnorderedElementsAre("flow.000000.h5", "flow.h5", "flow.xmf", "fold.h5.part",
+                                                            "flow.0001.h5", "flow.txt.part"));
+}
+
+TEST(FieldWriter, KeepsAStateThatAKillLeftUnnamed) {
+  const SharedFolder folder("field-unnamed");
+  write_four_states(folder.path());
+  MPI_Barrier(MPI_COMM_WORLD);
+  // The kill fell between the state and the files that name it: these are still those of the state before.
+  if (rank_of_test() == 0) std::filesystem::rename(folder.path() / "flow.000003.h5", folder.path() / "flow.000004.h5");
+  MPI_Barrier(MPI_COMM_WORLD);
+  const FormulaFlow flow = linear_flow();
+  const FieldWriter writer(folder.path(), flow.grid, flow.decomposition, {whole(flow.grid)}, 3);
+  EXPECT_EQ(read_all(folder.path() / "flow.h5", "state/000004/time", {1}).front(), 3);
+  EXPECT_THAT(text_of(folder.path() / "flow.xmf"), HasSubstr("flow.000004.h5:/flow/velocity"));
+}
+
+TEST(FieldWriter, NamesEveryStateInTheEndHoweverManyThereAre) {
+  const SharedFolder folder("field-many");
+  FormulaFlow flow{stretched_box({8, 8, 8}),
+                   {[](const Point&) { return 0; }, [](const Point&) { return 0; }, [](const Point&) { return 0; }},
+                   [](const Point&) { return 0; }};
+  const std::string last = "<Time Value=\"257\"/>";
+  {
+    FieldWriter writer(folder.path(), flow.grid, flow.decomposition, {whole(flow.grid)}, 0);
+    for (int state = 0; state < 258; ++state) {  // from 256 states on every other append replaces the files
+      flow.state.time = state;
+      writer.append(flow.part());
+    }
+    EXPECT_THAT(text_of(folder.path() / "flow.xmf"), Not(HasSubstr(last)));
+  }
+  MPI_Barrier(MPI_COMM_WORLD);  // the first rank names the last states when its writer ends
+  EXPECT_EQ(read_all(folder.path() / "flow.h5", "state/000257/time", {1}).front(), 257);
+  EXPECT_THAT(text_of(folder.path() / "flow.xmf"), HasSubstr(last));
 }
 
 TEST(FieldWriter, RefusesToContinueOtherRegions) {

@@ -31,6 +31,7 @@ TEST(Hdf5File, GivesBackWhatWasWritten) {
   file.write("state/displacement", values);
   file.write_float("state/single", values);
   file.write("integers", integers);
+  file.write("list", std::vector<double>{1, 2.5});
   file.write("state/none", NodeArray(0, 3));
   file.write("no_integers", std::vector<std::int64_t>{});
   file.write_number("time", 0.1);
@@ -43,6 +44,7 @@ TEST(Hdf5File, GivesBackWhatWasWritten) {
   EXPECT_EQ(read.read("state/displacement"), values);
   EXPECT_EQ(read.read("state/single"), values.cast<float>().cast<double>());
   EXPECT_EQ(read.read_integers("integers"), integers);
+  EXPECT_EQ(read.read("list"), (NodeArray(2, 1) << 1, 2.5).finished());
   EXPECT_EQ(read.read("state/none").rows(), 0);
   EXPECT_EQ(read.read("state/none").cols(), 3);
   EXPECT_TRUE(read.read_integers("no_integers").empty());
@@ -76,6 +78,20 @@ TEST(Hdf5File, WritesReservedPlacesWithoutTheLibrary) {
   raw.close();
   const NodeArray read = Hdf5File::open_for_reading(folder / "a.h5").read("later");
   EXPECT_EQ(read, (NodeArray(4, 1) << 1, 2, 3, 4).finished());
+}
+
+TEST(Hdf5File, ShowsAnotherFileAsAGroupAlsoWhenBothAreMoved) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "first");
+  auto file = Hdf5File::create(folder / "first" / "all.h5");
+  file.link_to_file("state/one", "one.h5");
+  file.close();
+  EXPECT_FALSE(Hdf5File::open_for_reading(folder / "first" / "all.h5").contains("state/one/x"));
+  Hdf5File::create(folder / "first" / "one.h5").write("x", NodeArray::Ones(2, 3));
+  std::filesystem::rename(folder / "first", folder / "then");
+  const auto read = Hdf5File::open_for_reading(folder / "then" / "all.h5");
+  EXPECT_TRUE(read.contains("state/one/x"));
+  EXPECT_EQ(read.read("state/one/x"), NodeArray::Ones(2, 3));
 }
 
 TEST(Hdf5File, NamesFileAndDatasetOfEveryFault) {
