@@ -21,14 +21,25 @@ CoarsestSolve::CoarsestSolve(const MultigridLevel& level) {
         cells_.push_back({i, j, k});
         volumes.push_back(axes[0].width[i] * axes[1].width[j] * axes[2].width[k]);
       }
-  const int n = static_cast<int>(cells_.size());
+  std::map<UnknownName, int> row_of_piece;
+  std::vector<UnknownName> piece_name;
+  if (level.pieces()) {
+    for (const NamedPlace& one : level.pieces()->own_names()) {
+      row_of_piece[one.name] = static_cast<int>(cells_.size() + pieces_.size());
+      const Triple& c = level.pieces()->cell_of(one.place);
+      volumes.push_back(axes[0].width[c[0]] * axes[1].width[c[1]] * axes[2].width[c[2]]);
+      pieces_.push_back(one.place);
+    }
+    for (const NamedPlace& one : level.pieces()->names()) piece_name.push_back(one.name);
+  }
+  const int n = static_cast<int>(volumes.size());
   volume_ = Eigen::Map<const Eigen::VectorXd>(volumes.data(), n);
 
   // - volume * (div grad): symmetric and positive.
   std::vector<Eigen::Triplet<double>> entries;
   std::vector<std::vector<int>> joined(static_cast<std::size_t>(n));
   std::vector<bool> is_open(static_cast<std::size_t>(n), false);
-  for (int row = 0; row < n; ++row) {
+  for (int row = 0; row < static_cast<int>(cells_.size()); ++row) {
     const Triple cell{cells_[row].i, cells_[row].j, cells_[row].k};
     for (int d = 0; d < 3; ++d)
       for (const int side : {-1, 1}) {
@@ -49,6 +60,31 @@ CoarsestSolve::CoarsestSolve(const MultigridLevel& level) {
         entries.emplace_back(row, at(other), -volume_[row] * coefficient);
         joined[row].push_back(at(other));
       }
+  }
+  if (level.pieces()) {
+    const PieceRows& rows = level.pieces()->rows();
+    const auto add = [&](const PieceRows::Row& row) {
+      if (!box_of(box.sizes()).contains(row.unknown.cell)) return;
+      const int from = row.unknown.piece < 0 ? at(row.unknown.cell) : row_of_piece.at(piece_name[row.unknown.piece]);
+      for (const PieceRows::Entry& entry : rows.entries(row)) {
+        Triple other = entry.other.cell;
+        bool is_beyond = false;
+        for (int d = 0; d < 3; ++d) {
+          is_beyond = is_beyond || (!axes[d].is_periodic && (other[d] < 0 || other[d] >= box.size(d)));
+          other[d] = (other[d] + box.size(d)) % box.size(d);
+        }
+        entries.emplace_back(from, from, row.volume * entry.coefficient);
+        if (is_beyond) {
+          is_open[from] = true;
+          continue;
+        }
+        const int to = entry.other.piece < 0 ? at(other) : row_of_piece.at(piece_name[entry.other.piece]);
+        entries.emplace_back(from, to, -row.volume * entry.coefficient);
+        joined[from].push_back(to);
+      }
+    };
+    for (const PieceRows::Row& row : rows.cells()) add(row);
+    for (const PieceRows::Row& row : rows.pieces()) add(row);
   }
   part_.assign(static_cast<std::size_t>(n), -1);
   for (int seed = 0; seed < n; ++seed) {
@@ -79,28 +115,41 @@ CoarsestSolve::CoarsestSolve(const MultigridLevel& level) {
 
 void CoarsestSolve::remove_means(Eigen::VectorXd& values) const {
   std::vector<double> sum(part_is_open_.size(), 0.0), volume(part_is_open_.size(), 0.0);
-  for (std::size_t c = 0; c < cells_.size(); ++c) {
+  for (std::size_t c = 0; c < part_.size(); ++c) {
     sum[part_[c]] += volume_[static_cast<Eigen::Index>(c)] * values[static_cast<Eigen::Index>(c)];
     volume[part_[c]] += volume_[static_cast<Eigen::Index>(c)];
   }
-  for (std::size_t c = 0; c < cells_.size(); ++c)
+  for (std::size_t c = 0; c < part_.size(); ++c)
     if (!part_is_open_[part_[c]]) values[static_cast<Eigen::Index>(c)] -= sum[part_[c]] / volume[part_[c]];
 }
 
-void CoarsestSolve::solve(const Field<float>& rhs, Field<float>& phi) {
+void CoarsestSolve::solve(MultigridLevel& level) {
+  const auto n_cells = static_cast<Eigen::Index>(cells_.size()), n_pieces = static_cast<Eigen::Index>(pieces_.size());
   right_hand_side_.resize(volume_.size());
-  for (Eigen::Index c = 0; c < volume_.size(); ++c) {
+  for (Eigen::Index c = 0; c < n_cells; ++c) {
     const Cell& cell = cells_[static_cast<std::size_t>(c)];
-    right_hand_side_[c] = rhs(cell.i, cell.j, cell.k);
+    right_hand_side_[c] = level.rhs(cell.i, cell.j, cell.k);
   }
+  for (Eigen::Index p = 0; p < n_pieces; ++p)
+    right_hand_side_[n_cells + p] = level.pieces()->rhs[pieces_[static_cast<std::size_t>(p)]];
   remove_means(right_hand_side_);
   right_hand_side_.array() *= -volume_.array();
   solution_ = factors_.solve(right_hand_side_);
   remove_means(solution_);
-  for (Eigen::Index c = 0; c < volume_.size(); ++c) {
+  for (Eigen::Index c = 0; c < n_cells; ++c) {
     const Cell& cell = cells_[static_cast<std::size_t>(c)];
-    phi(cell.i, cell.j, cell.k) = static_cast<float>(solution_[c]);
+    level.phi(cell.i, cell.j, cell.k) = static_cast<float>(solution_[c]);
   }
+  for (Eigen::Index p = 0; p < n_pieces; ++p)
+    level.pieces()->phi[pieces_[static_cast<std::size_t>(p)]] = static_cast<float>(solution_[n_cells + p]);
+}
+
+void CoarsestSolve::number_parts(MultigridLevel& level) const {
+  std::vector<float> number;
+  int n = 0;
+  for (const bool is_open : part_is_open_) number.push_back(is_open ? -1.0f : static_cast<float>(++n));
+  for (std::size_t c = 0; c < cells_.size(); ++c) level.phi(cells_[c].i, cells_[c].j, cells_[c].k) = number[part_[c]];
+  for (std::size_t p = 0; p < pieces_.size(); ++p) level.pieces()->phi[pieces_[p]] = number[part_[cells_.size() + p]];
 }
 
 }  // namespace couplet::flow

@@ -183,7 +183,8 @@ void FastDiagonalisation::apply_inverse() {
     std::swap(planes_, right_hand_side_);
 }
 
-SolveReport FastDiagonalisation::solve(const Field<double>& source, Field<double>& phi, const SolveLimits& limits) {
+SolveReport FastDiagonalisation::solve(const Field<double>& source, Field<double>& phi, const SolveLimits& limits,
+                                       std::span<const double>, std::span<double>) {
   SolveReport report;
   const std::array<double, 2> moments = sum_over_ranks(operator_.moments(source));
   refuse_unless_finite(std::sqrt(moments[1] / volume_));

@@ -24,7 +24,9 @@ class FastDiagonalisation : public PressureSolver {
   /// Throws SceneError when the problem has open shares. Collective.
   explicit FastDiagonalisation(const PressureProblem& problem);
 
-  SolveReport solve(const Field<double>& source, Field<double>& phi, const SolveLimits& limits) override;
+  SolveReport solve(const Field<double>& source, Field<double>& phi, const SolveLimits& limits,
+                    std::span<const double> piece_source, std::span<double> piece_phi) override;
+  void update(std::span<const Box>) override {}  // has no shares
   std::size_t n_bytes() const override;
   Traffic traffic() const override;
 

@@ -65,34 +65,19 @@ RankBoxes with_neighbours(RankBoxes boxes, const std::array<LevelAxis, 3>& axes)
   return boxes;
 }
 
-/// Our own copy of the shares, with as many ghost layers as smoothing needs; these are not filled.
-FaceFractions copied_shares(const FaceFractions& given, const BlockDecomposition& blocks,
-                            const std::array<LevelAxis, 3>& axes) {
-  FaceFractions share;
-  const Triple sizes = blocks.mine().sizes(), layer = one_layer(axes);
-  for (int d = 0; d < 3; ++d) {
-    share[d] =
-        Field<float>(sizes, {layer[0] * multigrid_depth, layer[1] * multigrid_depth, layer[2] * multigrid_depth});
-    if (!blocks.has_cells()) continue;
-    for (int k = -layer[2]; k < sizes[2]; ++k)
-      for (int j = -layer[1]; j < sizes[1]; ++j)
-        for (int i = -layer[0]; i < sizes[0]; ++i)
-          if (given[d](i, j, k) > 0) share[d](i, j, k) = given[d](i, j, k);  // what is not written takes no memory
-  }
-  return share;
+/// With the ghost layers of a level.
+RankBoxes with_smoothed_layers(RankBoxes boxes, const std::array<LevelAxis, 3>& axes) {
+  const Triple layer = one_layer(axes);
+  for (Box& box : boxes)
+    if (!box.is_empty())
+      box = box.grown({layer[0] * multigrid_depth, layer[1] * multigrid_depth, layer[2] * multigrid_depth});
+  return boxes;
 }
 
-/// The same shares on the blocks of the level; ghost layers as above.
-FaceFractions moved_shares(const FaceFractions& from, const RankBoxes& over, const BlockDecomposition& blocks,
-                           const std::array<LevelAxis, 3>& axes) {
-  Redistribution faces(blocks.communicator(), with_first_faces(over, axes), with_first_faces(boxes_of(blocks), axes),
-                       n_cells_of(axes), periodicity(axes));
-  FaceFractions share;
-  for (int d = 0; d < 3; ++d) {
-    share[d] = Field<float>(blocks.mine().sizes(), from[d].ghosts());
-    faces.move(from[d], over[static_cast<std::size_t>(blocks.rank())].begin, share[d], blocks.mine().begin);
-  }
-  return share;
+bool is_any(bool is, MPI_Comm communicator) {
+  int n = is ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &n, 1, MPI_INT, MPI_MAX, communicator);
+  return n > 0;
 }
 
 /// Nothing where no shape leaves blocks that are wide enough.
@@ -143,9 +128,10 @@ std::array<Partition, 3> suitable_partitions(const StretchedGrid& grid, const Tr
   return {equal_parts(n[0], shape[0], 1), equal_parts(n[1], shape[1], 1), equal_parts(n[2], shape[2], 1)};
 }
 
-Multigrid::Passage::Passage(const RankBoxes& over, const BlockDecomposition& blocks,
+Multigrid::Passage::Passage(const RankBoxes& boxes, const BlockDecomposition& blocks,
                             const std::array<LevelAxis, 3>& axes)
-    : down(blocks.communicator(), over, boxes_of(blocks), n_cells_of(axes), periodicity(axes)),
+    : over(boxes),
+      down(blocks.communicator(), over, boxes_of(blocks), n_cells_of(axes), periodicity(axes)),
       up(blocks.communicator(), boxes_of(blocks), with_neighbours(over, axes), n_cells_of(axes), periodicity(axes)) {
   const Box& mine = over[static_cast<std::size_t>(blocks.rank())];
   rhs = Field<float>(mine.sizes(), {0, 0, 0});
@@ -153,23 +139,46 @@ Multigrid::Passage::Passage(const RankBoxes& over, const BlockDecomposition& blo
   over_origin = mine.begin, block_origin = blocks.mine().begin;
 }
 
-void Multigrid::Passage::take_shares(const MultigridLevel& level, const RankBoxes& over) {
+void Multigrid::Passage::bring_shares_to(MultigridLevel& level) const {
   const BlockDecomposition& blocks = level.decomposition();
-  Redistribution faces(blocks.communicator(), with_first_faces(boxes_of(blocks), level.axes()),
-                       with_neighbours(over, level.axes()), n_cells_of(level.axes()), periodicity(level.axes()));
-  share.emplace();
+  const auto& axes = level.axes();
+  Redistribution faces(blocks.communicator(), with_first_faces(over, axes), with_first_faces(boxes_of(blocks), axes),
+                       n_cells_of(axes), periodicity(axes));
+  const Triple sizes = blocks.mine().sizes();
   for (int d = 0; d < 3; ++d) {
-    (*share)[d] = Field<float>(phi.sizes(), phi.ghosts());
-    faces.move(level.share()[d], block_origin, (*share)[d], over_origin);
+    Field<float> moved(sizes, one_layer(axes));
+    faces.move((*share)[d], over_origin, moved, block_origin);
+    if (!blocks.has_cells() || !axes[d].has_terms) continue;
+    Box mine = box_of(sizes);
+    if (blocks.is_at_border(d, 0)) --mine.begin[d];
+    for (int k = mine.begin[2]; k < mine.end[2]; ++k)
+      for (int j = mine.begin[1]; j < mine.end[1]; ++j)
+        for (int i = mine.begin[0]; i < mine.end[0]; ++i) level.set_share(d, {i, j, k}, moved(i, j, k));
   }
 }
 
+void Multigrid::Passage::take_shares_from(const MultigridLevel& level) {
+  const BlockDecomposition& blocks = level.decomposition();
+  Redistribution faces(blocks.communicator(), with_first_faces(boxes_of(blocks), level.axes()),
+                       with_neighbours(over, level.axes()), n_cells_of(level.axes()), periodicity(level.axes()));
+  for (int d = 0; d < 3; ++d) faces.move(level.share()[d], block_origin, (*share)[d], over_origin);
+}
+
 Multigrid::Multigrid(const PressureProblem& problem) : plan_(plan_levels(finest_axes(problem))) {
+  lay_out(problem);
+  const Box everything = box_of(problem.decomposition->mine().sizes());
+  update(problem, std::span(&everything, 1));
+}
+
+/// Which ranks hold which blocks of each level, and what goes between them.
+void Multigrid::lay_out(const PressureProblem& problem) {
+  using Faces = MultigridLevel::Faces;
+  const Faces faces = !problem.open_share ? Faces::whole
+                      : problem.split     ? Faces::with_shares_and_links
+                                          : Faces::with_shares;
   const BlockDecomposition& given = *problem.decomposition;
   RankBoxes over = boxes_of(given);  // where the right-hand side of the next level comes into being
   std::array<Partition, 3> partitions = given.partitions();
-  std::optional<FaceFractions> share;  // of the next level, on the boxes `over`
-  if (problem.open_share) share = copied_shares(*problem.open_share, given, plan_.axes.front());
   for (int l = 0; l < plan_.n_levels(); ++l) {
     const bool is_last = l + 1 == plan_.n_levels();
     const auto& axes = plan_.axes[static_cast<std::size_t>(l)];
@@ -187,11 +196,12 @@ Multigrid::Multigrid(const PressureProblem& problem) : plan_(plan_levels(finest_
     std::unique_ptr<Passage> passage;
     if (boxes_of(blocks) != over) {
       passage = std::make_unique<Passage>(over, blocks, axes);
-      if (share) share = moved_shares(*share, over, blocks, axes);
+      if (problem.open_share) {
+        passage->share.emplace();
+        for (Field<float>& field : *passage->share) field = Field<float>(passage->phi.sizes(), passage->phi.ghosts());
+      }
     }
-    levels_.push_back(std::make_unique<MultigridLevel>(axes, blocks, std::move(share)));
-    share.reset();
-    if (passage && problem.open_share && l > 0) passage->take_shares(*levels_.back(), over);
+    levels_.push_back(std::make_unique<MultigridLevel>(axes, blocks, faces));
     if (l == 0)
       entry_ = std::move(passage);
     else
@@ -199,11 +209,85 @@ Multigrid::Multigrid(const PressureProblem& problem) : plan_(plan_levels(finest_
     if (is_last) break;
     const auto& merging = plan_.merging[static_cast<std::size_t>(l)];
     levels_.back()->join(merging, plan_.axes[static_cast<std::size_t>(l + 1)]);
-    if (problem.open_share) share = levels_.back()->coarse_shares();
     over = boxes_over(boxes_of(blocks), merging);
     for (int d = 0; d < 3; ++d)
       for (int& start : partitions[d].start)
         start = start == merging[d].n_fine() ? merging[d].n_coarse() : merging[d].coarse_of(start);
+  }
+  piece_passages_.resize(levels_.size());
+}
+
+/// On the finest level, at faces of the cells in the given boxes.
+void Multigrid::take_shares_of(const PressureProblem& problem, std::span<const Box> changed) {
+  const auto& axes = plan_.axes.front();
+  const Triple sizes = problem.decomposition->mine().sizes();
+  for (int d = 0; d < 3; ++d) {
+    if (!problem.decomposition->has_cells() || !axes[d].has_terms) continue;
+    Box known = box_of(sizes);
+    --known.begin[d];
+    CellMask faces(known);  // many boxes may share one
+    for (Box box : changed) {
+      --box.begin[d];
+      faces.add(box);
+    }
+    faces.for_each([&](const Triple& cell) {
+      const float share = (*problem.open_share)[d](cell[0], cell[1], cell[2]);
+      if (!entry_)
+        levels_.front()->set_share(d, cell, share);
+      else if (float& place = (*entry_->share)[d](cell[0], cell[1], cell[2]); place != share)
+        place = share;  // what is not written takes no memory
+    });
+  }
+}
+
+void Multigrid::update(const PressureProblem& problem, std::span<const Box> changed) {
+  if (problem.open_share) {
+    const BlockDecomposition& given = *problem.decomposition;
+    take_shares_of(problem, changed);
+    // Of the pieces of split cells on the next level: who has them, their links, their places there.
+    std::array<Partition, 3> over_partitions = given.partitions();
+    std::vector<GridLink> links;
+    std::vector<NamedPlace> names, names_over;
+    if (problem.split) {
+      const std::vector<int> number = piece_numbers(*problem.split);
+      links = own_links(*problem.split, number, given);
+      names = piece_names(*problem.split, number, given);
+      names_over = own_piece_names(*problem.split, names, given);
+      piece_rhs_.assign(problem.split->cell.size(), 0.0f);
+      piece_correction_.assign(problem.split->cell.size(), 0.0f);
+    }
+    for (std::size_t l = 0; l < levels_.size(); ++l) {
+      MultigridLevel& level = *levels_[l];
+      const BlockDecomposition& blocks = level.decomposition();
+      Passage* passage = l == 0 ? entry_.get() : passages_[l - 1].get();
+      if (passage) passage->bring_shares_to(level);
+      links = links_in(with_smoothed_layers(boxes_of(blocks), level.axes()), links, blocks);
+      const bool is_split = is_any(!links.empty(), given.communicator());
+      level.update(is_split ? &links : nullptr);
+      if (passage && l > 0) passage->take_shares_from(level);
+      piece_passages_[l].reset();
+      if (is_split) {
+        const LevelPieces& pieces = *level.pieces();
+        piece_passages_[l] = std::make_unique<PiecePassage>(PiecePassage{
+            PieceExchange(given.communicator(), over_partitions, names_over, pieces.names()),
+            PieceExchange(given.communicator(), blocks.partitions(), pieces.own_names(), l == 0 ? names : names_over)});
+      }
+      if (l + 1 == levels_.size()) break;
+      const LevelTransfer& transfer = level.transfer();
+      transfer.coarse_shares([&](int d, const Triple& cell, float share) {
+        if (passages_[l])
+          (*passages_[l]->share)[d](cell[0], cell[1], cell[2]) = share;
+        else
+          levels_[l + 1]->set_share(d, cell, share);
+      });
+      links = transfer.aggregates().coarse_links();
+      names_over = transfer.aggregates().coarse_pieces();
+      const auto& merging = plan_.merging[l];
+      over_partitions = blocks.partitions();
+      for (int d = 0; d < 3; ++d)
+        for (int& start : over_partitions[d].start)
+          start = start == merging[d].n_fine() ? merging[d].n_coarse() : merging[d].coarse_of(start);
+    }
   }
   if (levels_.back()->decomposition().has_cells()) coarsest_ = std::make_unique<CoarsestSolve>(*levels_.back());
 }
@@ -211,7 +295,7 @@ Multigrid::Multigrid(const PressureProblem& problem) : plan_(plan_levels(finest_
 void Multigrid::descend(std::size_t l) {
   MultigridLevel& level = *levels_[l];
   if (l + 1 == levels_.size()) {
-    if (coarsest_) coarsest_->solve(level.rhs, level.phi);
+    if (coarsest_) coarsest_->solve(level);
     return;
   }
   MultigridLevel& coarse = *levels_[l + 1];
@@ -219,22 +303,97 @@ void Multigrid::descend(std::size_t l) {
   level.halo().exchange<float>({&level.rhs}, multigrid_depth);
   level.smooth_and_restrict(passage ? passage->rhs : coarse.rhs);
   if (passage) passage->down.move(passage->rhs, passage->over_origin, coarse.rhs, passage->block_origin);
+  PiecePassage* pieces = piece_passages_[l + 1].get();
+  if (pieces) pieces->down.move(level.transfer().coarse_pieces_rhs.data(), coarse.pieces()->rhs.data());
   descend(l + 1);
-  if (passage)
-    passage->up.move(coarse.phi, passage->block_origin, passage->phi, passage->over_origin);
-  else
-    coarse.halo().exchange<float>({&coarse.phi}, 1);
+  const Field<float>& correction = fetch_coarse(l);
   const FaceFractions* share = nullptr;
   if (coarse.has_shares()) share = passage ? &*passage->share : &coarse.share();
-  level.add_correction(passage ? passage->phi : coarse.phi, share);
+  level.add_correction(correction, share);
+  if (level.pieces()) {
+    // Corrections of pieces are not interpolated: cells should see smoother ones.
+    level.pieces()->exchange(level.pieces()->phi);
+    level.smooth_pieces();
+  }
   level.halo().exchange<float>({&level.phi}, multigrid_depth);
+  if (level.pieces()) level.pieces()->exchange(level.pieces()->phi);
   level.smooth();
+  level.smooth_pieces();
 }
 
 void Multigrid::cycle() {
   MultigridLevel& finest = *levels_.front();
   if (entry_) entry_->down.move(entry_->rhs, entry_->over_origin, finest.rhs, entry_->block_origin);
+  PiecePassage* pieces = piece_passages_.front().get();
+  if (pieces) pieces->down.move(piece_rhs_.data(), finest.pieces()->rhs.data());
   descend(0);
+  return_finest();
+}
+
+Multigrid::Parts Multigrid::number_parts() {
+  Parts parts;
+  if (coarsest_) {
+    parts = {coarsest_->n_parts(), coarsest_->n_sealed()};
+  }
+  const MPI_Comm communicator = blocks_.front()->communicator();
+  int n[2] = {parts.n, parts.n_sealed};
+  MPI_Allreduce(MPI_IN_PLACE, n, 2, MPI_INT, MPI_MAX, communicator);
+  parts = {n[0], n[1]};
+  // A part that ends below the coarsest level: where there was none, it is new and lies where something has changed.
+  if (!has_part_alone_) {
+    for (std::size_t l = 0; l + 1 < levels_.size(); ++l) has_part_alone_ = has_part_alone(l) || has_part_alone_;
+    has_part_alone_ = is_any(has_part_alone_, communicator);
+  }
+  if (!has_part_alone_ && (parts.n_sealed == 0 || parts.n == 1)) return parts;
+  if (coarsest_) coarsest_->number_parts(*levels_.back());
+  for (std::size_t l = levels_.size() - 1; l-- > 0;)
+    parts.n_sealed = levels_[l]->number_parts(fetch_coarse(l), parts.n_sealed);
+  return_finest();
+  has_part_alone_ = parts.n_sealed > n[1];
+  return {n[0] + parts.n_sealed - n[1], parts.n_sealed};
+}
+
+bool Multigrid::has_part_alone(std::size_t l) {
+  MultigridLevel &level = *levels_[l], &coarse = *levels_[l + 1];
+  if (LevelPieces* pieces = coarse.pieces()) std::fill(pieces->phi.begin(), pieces->phi.end(), 1.0f);
+  bool is_alone = false;
+  const auto look = [&](const auto& is_active) {
+    const std::vector<float>& linked = level.transfer().coarse_pieces_phi;
+    is_alone = level.decomposition().has_cells() && level.transfer().has_part_alone(is_active, linked);
+  };
+  if (passages_[l]) {
+    const Triple sizes = coarse.decomposition().mine().sizes();
+    for (int k = 0; k < sizes[2]; ++k)
+      for (int j = 0; j < sizes[1]; ++j)
+        for (int i = 0; i < sizes[0]; ++i)
+          if (coarse.active().contains(i, j, k)) coarse.phi(i, j, k) = 1;
+    const Field<float>& ones = fetch_coarse(l);
+    look([&](const Triple& C) { return ones(C[0], C[1], C[2]) != 0; });
+  } else {
+    if (PiecePassage* pieces = piece_passages_[l + 1].get())
+      pieces->up.move(coarse.pieces()->phi.data(), level.transfer().coarse_pieces_phi.data());
+    look([&](const Triple& C) { return coarse.active().contains(C[0], C[1], C[2]); });
+  }
+  return is_alone;
+}
+
+const Field<float>& Multigrid::fetch_coarse(std::size_t l) {
+  MultigridLevel& coarse = *levels_[l + 1];
+  if (PiecePassage* pieces = piece_passages_[l + 1].get())
+    pieces->up.move(coarse.pieces()->phi.data(), levels_[l]->transfer().coarse_pieces_phi.data());
+  Passage* passage = passages_[l].get();
+  if (!passage) {
+    coarse.halo().exchange<float>({&coarse.phi}, 1);
+    return coarse.phi;
+  }
+  passage->up.move(coarse.phi, passage->block_origin, passage->phi, passage->over_origin);
+  return passage->phi;
+}
+
+void Multigrid::return_finest() {
+  MultigridLevel& finest = *levels_.front();
+  if (PiecePassage* pieces = piece_passages_.front().get())
+    pieces->up.move(finest.pieces()->phi.data(), piece_correction_.data());
   if (entry_)
     entry_->up.move(finest.phi, entry_->block_origin, entry_->phi, entry_->over_origin);
   else
@@ -257,7 +416,9 @@ std::size_t Multigrid::n_bytes() const {
 
 Traffic Multigrid::traffic() const {
   Traffic sum;
-  for (const auto& level : levels_) sum += level->halo().traffic();
+  for (const auto& level : levels_) sum += level->traffic();
+  for (const auto& pieces : piece_passages_)
+    if (pieces) sum += pieces->down.traffic(), sum += pieces->up.traffic();
   const auto add = [&](const Passage& passage) { sum += passage.down.traffic(), sum += passage.up.traffic(); };
   if (entry_) add(*entry_);
   for (const auto& passage : passages_)

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "flow-server/grid/redistribution.hpp"
@@ -26,14 +27,33 @@ class Multigrid {
   /// Collective. The problem must outlive this.
   explicit Multigrid(const PressureProblem& problem);
 
+  /// Collective. Shares of the problem have changed at faces of cells within the given boxes (local indices), or split
+  /// cells anywhere; what depends on them is made anew on all levels. The problem must have split cells if and only if
+  /// it had them in the beginning.
+  void update(const PressureProblem& problem, std::span<const Box> changed);
+
   /// On the blocks of the problem: the right-hand side, to be filled on the cells of the rank, and the correction that
   /// cycle() leaves, with at least one ghost layer, which is filled. Where borders are closed it is free up to a
   /// constant.
   Field<float>& rhs() { return entry_ ? entry_->rhs : levels_.front()->rhs; }
   Field<float>& correction() { return entry_ ? entry_->phi : levels_.front()->phi; }
 
+  /// The same for the further pieces of split cells, in the order of the list of the problem; the correction with
+  /// ghosts. Empty where no cell is split.
+  std::vector<float>& piece_rhs() { return piece_rhs_; }
+  const std::vector<float>& piece_correction() const { return piece_correction_; }
+
   /// Collective.
   void cycle();
+
+  /// Parts of the fluid that are not connected with each other.
+  struct Parts {
+    int n = 0;         // of all
+    int n_sealed = 0;  // without an open border
+  };
+  /// Collective, where the problem has shares. Where several parts are sealed, or one of several, correction() and
+  /// piece_correction() become the numbers of the sealed parts that unknowns belong to, from 1 on, and -1 in others.
+  Parts number_parts();
 
   int n_levels() const { return plan_.n_levels(); }
   const LevelPlan& plan() const { return plan_; }
@@ -45,20 +65,34 @@ class Multigrid {
   /// level, or those of the problem.
   struct Passage {
     Passage(const RankBoxes& over, const BlockDecomposition& blocks, const std::array<LevelAxis, 3>& axes);
-    void take_shares(const MultigridLevel& level, const RankBoxes& over);
+    void bring_shares_to(MultigridLevel& level) const;
+    void take_shares_from(const MultigridLevel& level);
 
+    RankBoxes over;
     Redistribution down, up;
     Triple over_origin, block_origin;
     Field<float> rhs, phi;               // on the other blocks; phi with one ghost layer
     std::optional<FaceFractions> share;  // likewise, where the problem has shares
   };
+  void lay_out(const PressureProblem& problem);
+  void take_shares_of(const PressureProblem& problem, std::span<const Box> changed);
+  bool has_part_alone(std::size_t level);  // an unknown that belongs to nothing on the next one
   void descend(std::size_t level);
+  const Field<float>& fetch_coarse(std::size_t level);  // phi of the next level over the block of this one
+  void return_finest();                                 // phi of the finest level to the blocks of the problem
 
   LevelPlan plan_;
   std::vector<std::unique_ptr<BlockDecomposition>> blocks_;  // of each level
   std::vector<std::unique_ptr<MultigridLevel>> levels_;
   std::vector<std::unique_ptr<Passage>> passages_;  // from level l to l + 1; empty where blocks lie over blocks
   std::unique_ptr<Passage> entry_;                  // from the blocks of the problem to level 0
+  /// Where the cells of a level are split: from the pieces over the next finer level (of the problem) and back.
+  struct PiecePassage {
+    PieceExchange down, up;
+  };
+  std::vector<std::unique_ptr<PiecePassage>> piece_passages_;  // (n_levels) to each level
+  std::vector<float> piece_rhs_, piece_correction_;
+  bool has_part_alone_ = false;  // on any rank and level, when that was last asked
   std::unique_ptr<CoarsestSolve> coarsest_;
 };
 

@@ -82,50 +82,6 @@ void residual_row(float* __restrict out, const float* __restrict c, const float*
   }
 }
 
-/// coarse[I] += factor * sum of share[i] fine[i] over the cells of I.
-void add_restricted_row(float* __restrict coarse, const float* __restrict fine, const BlockMerging& merging,
-                        float factor) {
-  const float* __restrict share = merging.share.data();
-  for (const BlockMerging::Run& run : merging.runs) {
-    float* __restrict c = coarse + run.first_coarse;
-    const float* __restrict r = fine + run.first_fine;
-    const float* __restrict s = share + run.first_fine;
-    if (run.group_size == 1) {
-      for (int I = 0; I < run.n_coarse; ++I) c[I] += factor * (s[I] * r[I]);
-    } else if (run.group_size == 2) {
-      for (int I = 0; I < run.n_coarse; ++I) c[I] += factor * (s[2 * I] * r[2 * I] + s[2 * I + 1] * r[2 * I + 1]);
-    } else {
-      for (int I = 0; I < run.n_coarse; ++I)
-        c[I] += factor * (s[3 * I] * r[3 * I] + s[3 * I + 1] * r[3 * I + 1] + s[3 * I + 2] * r[3 * I + 2]);
-    }
-  }
-}
-
-/// fine[i] = base[I] + weight[i] (slope towards the neighbour of i), slope[I] being that from I to I + 1.
-void interpolate_row(float* __restrict fine, const float* __restrict base, const float* __restrict slope,
-                     const BlockMerging& merging) {
-  for (const BlockMerging::Run& run : merging.runs) {
-    float* __restrict f = fine + run.first_fine;
-    const float* __restrict b = base + run.first_coarse;
-    const float* __restrict s = slope + run.first_coarse;
-    const float* __restrict w = merging.weight.data() + run.first_fine;
-    if (run.group_size == 1) {
-      for (int I = 0; I < run.n_coarse; ++I) f[I] = b[I];
-    } else if (run.group_size == 2) {
-      for (int I = 0; I < run.n_coarse; ++I) {
-        f[2 * I] = b[I] - w[2 * I] * s[I - 1];
-        f[2 * I + 1] = b[I] + w[2 * I + 1] * s[I];
-      }
-    } else {
-      for (int I = 0; I < run.n_coarse; ++I) {
-        f[3 * I] = b[I] - w[3 * I] * s[I - 1];
-        f[3 * I + 1] = b[I];
-        f[3 * I + 2] = b[I] + w[3 * I + 2] * s[I];
-      }
-    }
-  }
-}
-
 /// Local index as the index of the whole, wrapped in a periodic direction; -1 beyond a border.
 int wrapped(int global, const LevelAxis& axis) {
   const int n = axis.n_cells();
@@ -136,18 +92,19 @@ int wrapped(int global, const LevelAxis& axis) {
 }  // namespace
 
 MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const BlockDecomposition& decomposition,
-                               std::optional<FaceFractions> share)
+                               Faces faces)
     : axes_(axes),
       decomposition_(&decomposition),
       halo_(decomposition),
       sizes_(decomposition.mine().sizes()),
-      share_(std::move(share)),
       active_(ActiveCells::all({})) {
+  if (faces != Faces::whole) share_.emplace();
   if (!decomposition.has_cells()) return;
   Triple ghosts;
   for (int d = 0; d < 3; ++d) {
     ghosts[d] = axes_[d].has_terms ? depth : 0;
-    wraps_[d] = d < 2 && axes_[d].has_terms && axes_[d].is_periodic && decomposition.shape()[d] == 1;
+    wraps_[d] = d < 2 && faces != Faces::with_shares_and_links && axes_[d].has_terms && axes_[d].is_periodic &&
+                decomposition.shape()[d] == 1;
     const int begin = decomposition.mine().begin[d];
     for (int i = -depth; i < sizes_[d] + depth; ++i) {
       const int global = wrapped(begin + i, axes_[d]);
@@ -165,27 +122,102 @@ MultigridLevel::MultigridLevel(const std::array<LevelAxis, 3>& axes, const Block
     active_ = ActiveCells::all(range(depth));
     return;
   }
-  halo_.exchange<float>({&(*share_)[0], &(*share_)[1], &(*share_)[2]}, depth);
-  // The face before the outermost ghost cell is known to the owner of the cell only, hence the exchange.
+  for (Field<float>& open : *share_) open = Field<float>(sizes_, ghosts);
   inverse_diagonal_ = Field<float>(sizes_, ghosts);
-  const Box mine = decomposition.mine();
-  for (int k = 0; k < sizes_[2]; ++k)
-    for (int j = 0; j < sizes_[1]; ++j)
-      for (int i = 0; i < sizes_[0]; ++i) {
-        const Triple cell{i, j, k};
-        double sum = 0;
-        for (int d = 0; d < 3; ++d) {
-          if (!axes_[d].has_terms) continue;
-          Triple before = cell;
-          --before[d];
-          const Field<float>& open = (*share_)[d];
-          sum += axes_[d].lower(mine.begin[d] + cell[d]) * open(before[0], before[1], before[2]) +
-                 axes_[d].upper(mine.begin[d] + cell[d]) * open(i, j, k);
-        }
-        if (sum > 0) inverse_diagonal_(i, j, k) = static_cast<float>(1 / sum);
+  changed_ = CellMask(box_of(sizes_));
+  active_ = ActiveCells::of_rows(range(depth), [](int, int, std::vector<Interval>&) {});
+}
+
+void MultigridLevel::set_share(int direction, const Triple& cell, float share) {
+  float& place = (*share_)[direction](cell[0], cell[1], cell[2]);
+  if (place == share) return;
+  place = share;
+  changed_.add_beside_face(direction, cell);
+}
+
+void MultigridLevel::update(const std::vector<GridLink>* links) {
+  const bool has_cells = decomposition_->has_cells();
+  mark_links();
+  pieces_ =
+      links ? std::make_unique<LevelPieces>(*links, axes_, *decomposition_, has_cells ? range(depth) : Box{}) : nullptr;
+  mark_links();
+  std::vector<char> row_has_changed;
+  if (has_cells) {
+    halo_.exchange<float>({&(*share_)[0], &(*share_)[1], &(*share_)[2]}, depth);
+    // What has changed in the blocks beside this one matters in the outermost cells.
+    for (int d = 0; d < 3; ++d)
+      for (int side = 0; side < 2; ++side) {
+        if (!axes_[d].has_terms || decomposition_->is_at_border(d, side)) continue;
+        Box layer = box_of(sizes_);
+        (side == 0 ? layer.end[d] : layer.begin[d]) = side == 0 ? 1 : sizes_[d] - 1;
+        changed_.add(layer);
       }
-  halo_.exchange<float>({&inverse_diagonal_}, depth);
-  active_ = ActiveCells::where(range(depth), [&](int i, int j, int k) { return inverse_diagonal_(i, j, k) != 0; });
+    set_diagonals(row_has_changed);
+    // The face before the outermost ghost cell is known to the owner of the cell only, hence the exchange.
+    halo_.exchange<float>({&inverse_diagonal_}, depth);
+  }
+  int n_changed = std::count(row_has_changed.begin(), row_has_changed.end(), 1) > 0 ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &n_changed, 1, MPI_INT, MPI_MAX, decomposition_->communicator());
+  if (n_changed > 0 && has_cells) set_active(row_has_changed);
+  if (transfer_) transfer_->update(pieces_.get(), changed_, halo_);
+  changed_.clear();
+}
+
+/// Links of a cell count in its row.
+void MultigridLevel::mark_links() {
+  if (!pieces_) return;
+  for (const PieceRows::Row& row : pieces_->rows().cells()) changed_.add(row.unknown.cell);
+}
+
+void MultigridLevel::set_diagonals(std::vector<char>& row_has_changed) {
+  row_has_changed.assign(static_cast<std::size_t>(sizes_[1]) * static_cast<std::size_t>(sizes_[2]), 0);
+  std::array<std::vector<double>, 3> lower, upper;
+  for (int d = 0; d < 3; ++d)
+    for (int i = decomposition_->mine().begin[d]; i < decomposition_->mine().end[d]; ++i) {
+      lower[d].push_back(axes_[d].lower(i));
+      upper[d].push_back(axes_[d].upper(i));
+    }
+  changed_.for_each([&](const Triple& cell) {
+    const auto& [i, j, k] = cell;
+    double sum = 0;
+    for (int d = 0; d < 3; ++d) {
+      if (!axes_[d].has_terms) continue;
+      Triple before = cell;
+      --before[d];
+      const Field<float>& open = (*share_)[d];
+      sum += lower[d][cell[d]] * open(before[0], before[1], before[2]) + upper[d][cell[d]] * open(i, j, k);
+    }
+    if (pieces_) sum += pieces_->link_sum(cell);
+    const float inverse = sum > 0 ? static_cast<float>(1 / sum) : 0.0f;
+    float& place = inverse_diagonal_(i, j, k);
+    if ((inverse != 0) != (place != 0)) {
+      row_has_changed[static_cast<std::size_t>(j + k * sizes_[1])] = 1;
+      if (inverse == 0) phi(i, j, k) = rhs(i, j, k) = 0;  // no sweep writes them any more
+    }
+    if (place != inverse) place = inverse;
+  });
+}
+
+void MultigridLevel::set_active(const std::vector<char>& row_has_changed) {
+  const Box all = range(depth);
+  const bool has_neighbour_in_x = all.size(0) > sizes_[0];
+  const auto append = [&](int j, int k, std::vector<Interval>& intervals) {
+    const bool is_own = j >= 0 && j < sizes_[1] && k >= 0 && k < sizes_[2];
+    if (is_own && !has_neighbour_in_x && row_has_changed[static_cast<std::size_t>(j + k * sizes_[1])] == 0) {
+      const auto kept = active_.row(j, k);
+      intervals.insert(intervals.end(), kept.begin(), kept.end());
+      return;
+    }
+    const float* inverse = inverse_diagonal_.row(j, k);
+    bool was_active = false;
+    for (int i = all.begin[0]; i < all.end[0]; ++i) {
+      const bool is = inverse[i] != 0;
+      if (is && !was_active) intervals.push_back({i, i});
+      if (is) intervals.back().end = i + 1;
+      was_active = is;
+    }
+  };
+  active_ = ActiveCells::of_rows(all, append);
 }
 
 Box MultigridLevel::range(int layers) const {
@@ -199,40 +231,8 @@ Box MultigridLevel::range(int layers) const {
 }
 
 void MultigridLevel::join(const std::array<Merging, 3>& merging, const std::array<LevelAxis, 3>& coarse_axes) {
-  if (!decomposition_->has_cells()) return;
-  const Box& mine = decomposition_->mine();
-  for (int d = 0; d < 3; ++d) {
-    BlockMerging& block = merging_[d];
-    block = {};
-    coarse_box_.begin[d] = merging[d].coarse_of(mine.begin[d]);
-    coarse_box_.end[d] = merging[d].coarse_of(mine.end[d] - 1) + 1;
-    block.n_coarse = coarse_box_.size(d);
-    for (int C = coarse_box_.begin[d]; C < coarse_box_.end[d]; ++C) {
-      const LevelAxis& coarse = coarse_axes[d];
-      const int first = merging[d].first[C], size = merging[d].first[C + 1] - first;
-      if (block.runs.empty() || block.runs.back().group_size != size)
-        block.runs.push_back({first - mine.begin[d], C - coarse_box_.begin[d], 0, size});
-      ++block.runs.back().n_coarse;
-      double centre = -0.5 * coarse.width[C];  // of the fine cell, from that of the coarse one
-      for (int i = first; i < first + size; ++i) {
-        const double width = axes_[d].width[i];
-        centre += 0.5 * width;
-        // Towards the neighbour across the nearer coarse face; at that face the value beyond a border is 0 for an open
-        // one and the same as inside for a closed one.
-        const int side = size == 1 || (size == 3 && i == first + 1) ? 0 : (i == first ? -1 : 1);
-        double per_distance = 0;
-        if (side < 0) per_distance = coarse.lower(C) * coarse.width[C];
-        if (side > 0) per_distance = coarse.upper(C) * coarse.width[C];
-        block.coarse.push_back(C - coarse_box_.begin[d]);
-        block.neighbour.push_back(C - coarse_box_.begin[d] + side);
-        block.share.push_back(static_cast<float>(width / coarse.width[C]));
-        block.weight.push_back(static_cast<float>(std::abs(centre) * per_distance));
-        centre += 0.5 * width;
-      }
-    }
-  }
-  base_row_.resize(static_cast<std::size_t>(merging_[0].n_coarse) + 2);
-  slope_row_.resize(static_cast<std::size_t>(merging_[0].n_coarse) + 2);
+  transfer_.emplace(FineLevel{axes_, *decomposition_, share_ ? &*share_ : nullptr, &inverse_diagonal_, merging,
+                              coarse_axes, nullptr});
 }
 
 template <bool has_share>
@@ -288,27 +288,21 @@ void MultigridLevel::relax_plane(int k, const Box& cells, int colour) {
 template <bool has_share>
 void MultigridLevel::restrict_plane(int k, Field<float>& coarse_rhs) {
   if (k < 0 || k >= sizes_[2]) return;
-  const int K = merging_[2].coarse[static_cast<std::size_t>(k)];
-  const bool begins_z = k == 0 || merging_[2].coarse[static_cast<std::size_t>(k - 1)] != K;
   float* residual = residual_row_.data();
   for (int j = 0; j < sizes_[1]; ++j) {
-    const int J = merging_[1].coarse[static_cast<std::size_t>(j)];
-    float* coarse = coarse_rhs.row(J, K);
-    if (begins_z && (j == 0 || merging_[1].coarse[static_cast<std::size_t>(j - 1)] != J))
-      std::fill(coarse, coarse + merging_[0].n_coarse, 0.0f);
     const auto intervals = active_.row(j, k);
-    if (intervals.empty()) continue;
-    const RowCoefficients a = coefficients_at<has_share>(j, k);
-    if constexpr (has_share) {
-      std::fill(residual_row_.begin(), residual_row_.end(), 0.0f);
-      for (const Interval& interval : intervals)
-        residual_row<true>(residual, phi.row(j, k), rhs.row(j, k), a, std::max(interval.begin, 0),
-                           std::min(interval.end, sizes_[0]));
-    } else {
-      residual_row<false>(residual, phi.row(j, k), rhs.row(j, k), a, 0, sizes_[0]);
+    if (!intervals.empty()) {
+      const RowCoefficients a = coefficients_at<has_share>(j, k);
+      if constexpr (has_share) {
+        std::fill(residual_row_.begin(), residual_row_.end(), 0.0f);
+        for (const Interval& interval : intervals)
+          residual_row<true>(residual, phi.row(j, k), rhs.row(j, k), a, std::max(interval.begin, 0),
+                             std::min(interval.end, sizes_[0]));
+      } else {
+        residual_row<false>(residual, phi.row(j, k), rhs.row(j, k), a, 0, sizes_[0]);
+      }
     }
-    add_restricted_row(coarse, residual, merging_[0],
-                       merging_[1].share[static_cast<std::size_t>(j)] * merging_[2].share[static_cast<std::size_t>(k)]);
+    transfer_->restrict_row(j, k, intervals.empty() ? nullptr : residual, coarse_rhs);
   }
 }
 
@@ -340,88 +334,62 @@ void MultigridLevel::smooth_all() {
 
 void MultigridLevel::smooth_and_restrict(Field<float>& coarse_rhs) {
   if (!decomposition_->has_cells()) return;
+  if (pieces_) {
+    pieces_->relax_from_zero();
+    pieces_->take_from(rhs);
+  }
   has_shares() ? smooth_and_restrict_all<true>(coarse_rhs) : smooth_and_restrict_all<false>(coarse_rhs);
+  if (pieces_) {
+    pieces_->restore(rhs);
+    pieces_->residual(phi, piece_residual_);
+  }
+  transfer_->finish_restriction(piece_residual_, coarse_rhs);
 }
 
 void MultigridLevel::smooth() {
   if (!decomposition_->has_cells()) return;
+  if (pieces_) pieces_->take_from(rhs);
   has_shares() ? smooth_all<true>() : smooth_all<false>();
+  if (pieces_) pieces_->restore(rhs);
 }
 
-void MultigridLevel::add_correction(const Field<float>& coarse_phi, const FaceFractions* coarse_share) {
-  if (!decomposition_->has_cells()) return;
-  const int n_coarse = merging_[0].n_coarse;
-  float* __restrict base = base_row_.data() + 1;
-  float* __restrict slope = slope_row_.data() + 1;
-  for (int k = 0; k < sizes_[2]; ++k)
-    for (int j = 0; j < sizes_[1]; ++j) {
-      const auto intervals = active_.row(j, k);
-      if (intervals.empty()) continue;
-      const auto at_j = static_cast<std::size_t>(j), at_k = static_cast<std::size_t>(k);
-      const int J = merging_[1].coarse[at_j], K = merging_[2].coarse[at_k];
-      const int to_J = merging_[1].neighbour[at_j], to_K = merging_[2].neighbour[at_k];
-      const float y = merging_[1].weight[at_j], z = merging_[2].weight[at_k];
-      const float* __restrict own = coarse_phi.row(J, K);
-      const float* __restrict in_y = coarse_phi.row(to_J, K);
-      const float* __restrict in_z = coarse_phi.row(J, to_K);
-      if (coarse_share) {
-        // Constant plus one slope a direction, each only where the coarse face is open.
-        const float* __restrict y_face = (*coarse_share)[1].row(std::min(J, to_J), K);
-        const float* __restrict z_face = (*coarse_share)[2].row(J, std::min(K, to_K));
-        const float* __restrict x_face = (*coarse_share)[0].row(J, K);
-        for (int I = 0; I < n_coarse; ++I)
-          base[I] = own[I] + (y_face[I] > 0 ? y : 0.0f) * (in_y[I] - own[I]) +
-                    (z_face[I] > 0 ? z : 0.0f) * (in_z[I] - own[I]);
-        for (int I = -1; I < n_coarse; ++I) slope[I] = x_face[I] > 0 ? own[I + 1] - own[I] : 0.0f;
-      } else {
-        const float* __restrict in_yz = coarse_phi.row(to_J, to_K);
-        for (int I = -1; I <= n_coarse; ++I)
-          base[I] = (1 - z) * ((1 - y) * own[I] + y * in_y[I]) + z * ((1 - y) * in_z[I] + y * in_yz[I]);
-        for (int I = -1; I < n_coarse; ++I) slope[I] = base[I + 1] - base[I];
-      }
-      interpolate_row(residual_row_.data(), base, slope, merging_[0]);
-      float* __restrict fine = phi.row(j, k);
-      const float* __restrict correction = residual_row_.data();
-      for (const Interval& interval : intervals)
-        for (int i = std::max(interval.begin, 0); i < std::min(interval.end, sizes_[0]); ++i) fine[i] += correction[i];
-    }
+void MultigridLevel::smooth_pieces() {
+  if (!pieces_ || !decomposition_->has_cells()) return;
+  halo_.exchange<float>({&phi}, 2);
+  pieces_->relax(*share_, rhs, phi);
 }
 
-FaceFractions MultigridLevel::coarse_shares() const {
-  FaceFractions coarse;
-  Triple ghosts;
-  for (int d = 0; d < 3; ++d) ghosts[d] = axes_[d].has_terms ? depth : 0;
-  for (int d = 0; d < 3; ++d) {
-    coarse[d] = Field<float>(coarse_box_.sizes(), ghosts);
-    if (!decomposition_->has_cells()) continue;
+int MultigridLevel::number_parts(const Field<float>& coarse_phi, int n_sealed) {
+  const MPI_Comm communicator = decomposition_->communicator();
+  int n_alone = decomposition_->has_cells() ? transfer_->inject(coarse_phi, active_, phi) : 0, n_before = 0, n_all = 0;
+  MPI_Exscan(&n_alone, &n_before, 1, MPI_INT, MPI_SUM, communicator);
+  MPI_Allreduce(&n_alone, &n_all, 1, MPI_INT, MPI_SUM, communicator);
+  if (decomposition_->rank() == 0) n_before = 0;
+  const auto renumber = [&](float& value) {
+    if (value < -1) value = static_cast<float>(n_sealed + n_before - 1) - value;
+  };
+  if (n_alone > 0) {
     for (int k = 0; k < sizes_[2]; ++k)
       for (int j = 0; j < sizes_[1]; ++j)
-        for (int i = 0; i < sizes_[0]; ++i) {
-          const Triple cell{i, j, k};
-          Triple C;
-          float area = 1;  // of the fine face over that of the coarse one
-          for (int e = 0; e < 3; ++e) {
-            C[e] = merging_[e].coarse[static_cast<std::size_t>(cell[e])];
-            if (e != d) area *= merging_[e].share[static_cast<std::size_t>(cell[e])];
-          }
-          const auto at = static_cast<std::size_t>(cell[d]);
-          const bool is_last = cell[d] + 1 == sizes_[d] || merging_[d].coarse[at + 1] != C[d];
-          if (is_last) coarse[d](C[0], C[1], C[2]) += area * (*share_)[d](i, j, k);
-          if (cell[d] == 0 && axes_[d].has_terms) {
-            Triple before = cell, C_before = C;
-            --before[d], --C_before[d];
-            coarse[d](C_before[0], C_before[1], C_before[2]) += area * (*share_)[d](before[0], before[1], before[2]);
-          }
-        }
+        for (int i = 0; i < sizes_[0]; ++i) renumber(phi(i, j, k));
+    if (pieces_)
+      for (float& value : pieces_->phi) renumber(value);
   }
-  return coarse;
+  return n_sealed + n_all;
 }
 
 std::size_t MultigridLevel::n_bytes() const {
-  std::size_t n = phi.n_bytes() + rhs.n_bytes() + inverse_diagonal_.n_bytes();
+  std::size_t n = phi.n_bytes() + rhs.n_bytes() + inverse_diagonal_.n_bytes() + changed_.n_bytes();
   if (share_)
     for (const Field<float>& field : *share_) n += field.n_bytes();
-  return n;
+  if (pieces_) n += pieces_->n_bytes();
+  return n + (transfer_ ? transfer_->n_bytes() : 0);
+}
+
+Traffic MultigridLevel::traffic() const {
+  Traffic sum = halo_.traffic();
+  if (pieces_) sum += pieces_->traffic();
+  return sum;
 }
 
 }  // namespace couplet::flow

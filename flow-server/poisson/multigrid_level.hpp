@@ -2,6 +2,7 @@
 // One level of the multigrid on the block of one rank: smoothing, residual, and the way to the next level and back.
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -9,7 +10,10 @@
 #include "flow-server/grid/block_decomposition.hpp"
 #include "flow-server/grid/field.hpp"
 #include "flow-server/grid/halo_exchange.hpp"
+#include "flow-server/poisson/cell_mask.hpp"
 #include "flow-server/poisson/coarsening.hpp"
+#include "flow-server/poisson/level_pieces.hpp"
+#include "flow-server/poisson/level_transfer.hpp"
 #include "flow-server/poisson/pressure_solver.hpp"
 
 namespace couplet::flow {
@@ -17,58 +21,63 @@ namespace couplet::flow {
 /// Levels have that many ghost layers: two smoothing steps and a residual need four layers around a block.
 inline constexpr int multigrid_depth = 4;
 
-/// How the cells of this block are joined to coarse ones in one direction; coarse indices are local to the coarse block
-/// that lies over this one.
-struct BlockMerging {
-  struct Run {
-    int first_fine, first_coarse, n_coarse, group_size;
-  };
-  std::vector<Run> runs;       // of coarse cells that hold equally many fine ones
-  std::vector<int> coarse;     // (n) of each fine cell
-  std::vector<float> share;    // (n) width of the fine cell over that of the coarse one
-  std::vector<int> neighbour;  // (n) the coarse cell on the other side of the fine centre
-  std::vector<float> weight;   // (n) of that neighbour in linear interpolation between coarse centres
-  int n_coarse = 0;
-};
-
 /// Rows are divided by the cell volume. Smoothing is red-black Gauss-Seidel by the parity of the global indices; what a
 /// rank computes for a ghost cell is, bit for bit, what its owner computes. Ghosts beyond a border of the whole are 0
 /// always: a closed face has the coefficient 0, an open one takes phi = 0 there.
 class MultigridLevel {
  public:
-  /// `share`: open shares of the faces, not yet filled in the ghost layers, or nothing where borders are whole.
-  /// The decomposition must outlive this. Collective.
-  MultigridLevel(const std::array<LevelAxis, 3>& axes, const BlockDecomposition& decomposition,
-                 std::optional<FaceFractions> share);
+  /// What the faces of a level can be. With shares all are closed until set_share() and update().
+  enum class Faces { whole, with_shares, with_shares_and_links };
+  /// The decomposition must outlive this.
+  MultigridLevel(const std::array<LevelAxis, 3>& axes, const BlockDecomposition& decomposition, Faces faces);
+
+  /// Open share of the face between a cell of this block, or a ghost before it, and the next one. Counts from update()
+  /// on.
+  void set_share(int direction, const Triple& cell, float share);
+  /// Collective. What depends on the shares that have been set since the last call, on any rank, is made anew, and so
+  /// is the choice of the unknowns of the next level. `links`: of split cells, those with an end in four layers around
+  /// this block; none: no cell of the whole is split.
+  void update(const std::vector<GridLink>* links);
 
   const BlockDecomposition& decomposition() const { return *decomposition_; }
   const std::array<LevelAxis, 3>& axes() const { return axes_; }
   bool has_shares() const { return share_.has_value(); }
   const FaceFractions& share() const { return *share_; }  // four ghost layers, filled
-  const ActiveCells& active() const { return active_; }   // ghosts included
+  /// Collective. Parts that end on this level get numbers from `n_sealed` + 1 on; see LevelTransfer::inject. Returns
+  /// how many sealed parts there are then.
+  int number_parts(const Field<float>& coarse_phi, int n_sealed);
+  const ActiveCells& active() const { return active_; }  // ghosts included
+
+  LevelPieces* pieces() { return pieces_.get(); }  // where cells are split
+  const LevelPieces* pieces() const { return pieces_.get(); }
 
   Field<float> phi, rhs;  // four ghost layers
 
   HaloExchange& halo() { return halo_; }
 
-  /// `coarse_origin`: global index of the first coarse cell of the coarse block that lies over this one.
+  /// Both must outlive this.
   void join(const std::array<Merging, 3>& merging, const std::array<LevelAxis, 3>& coarse_axes);
-  Box coarse_box() const { return coarse_box_; }  // global indices of the coarse cells over this block
+  LevelTransfer& transfer() { return *transfer_; }
 
   /// Two smoothing steps from phi = 0; the volume-weighted mean of the residual becomes the right-hand side of the
   /// coarse cells. Needs rhs with four filled ghost layers.
   void smooth_and_restrict(Field<float>& coarse_rhs);
   /// Adds the interpolated correction; needs one filled ghost layer of it.
-  void add_correction(const Field<float>& coarse_phi, const FaceFractions* coarse_share);
+  void add_correction(const Field<float>& coarse_phi, const FaceFractions* coarse_share) {
+    transfer_->add_correction(coarse_phi, coarse_share, active_, phi);
+  }
   /// Two smoothing steps; needs phi and rhs with four filled ghost layers.
   void smooth();
-
-  /// Open shares of the faces of the coarse cells over this block: area-weighted means. Entry -1 at a border included.
-  FaceFractions coarse_shares() const;
+  /// One more on the pieces and what is linked to them in their cell. The ghosts of phi are to be filled after it.
+  void smooth_pieces();
 
   std::size_t n_bytes() const;
+  Traffic traffic() const;
 
  private:
+  void mark_links();
+  void set_diagonals(std::vector<char>& row_has_changed);
+  void set_active(const std::vector<char>& row_has_changed);
   Box range(int depth) const;  // local cells and ghosts that other blocks (or their images) own
   struct RowCoefficients;
   template <bool has_share>
@@ -94,9 +103,10 @@ class MultigridLevel {
   std::optional<FaceFractions> share_;
   Field<float> inverse_diagonal_;  // where there are shares; 0: inactive
   ActiveCells active_;
-  std::array<BlockMerging, 3> merging_;
-  Box coarse_box_;
-  std::vector<float> relaxed_row_, residual_row_, base_row_, slope_row_;
+  CellMask changed_;  // both cells of each face whose share has been set anew
+  std::unique_ptr<LevelPieces> pieces_;
+  std::optional<LevelTransfer> transfer_;
+  std::vector<float> relaxed_row_, residual_row_, piece_residual_;
 };
 
 }  // namespace couplet::flow

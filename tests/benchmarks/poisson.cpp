@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -33,7 +34,8 @@ constexpr int n_repeats = 4;
 struct Case {
   Triple n{128, 128, 128};
   double stretch = 1;              // of each direction: largest over smallest width
-  std::string borders = "closed";  // or periodic; tube: only a tube along x is fluid, open at its end
+  std::string borders = "closed";  // or periodic; tube: only a tube along x is fluid, open at its
+                                   // end; sheet: closed, with a sheet that has a hole
   std::string solver = "multigrid";
   int ranks = 1;
   std::vector<double> tolerances{1e-3, 1e-6};
@@ -43,7 +45,8 @@ std::vector<Case> all_cases(int n_ranks_most) {
   std::vector<Case> cases;
   const std::vector<Case> grids = {{{128, 128, 128}, 1, "periodic"}, {{128, 128, 128}, 1, "closed"},
                                    {{400, 130, 130}, 6, "closed"},   {{128, 128, 128}, 20, "closed"},
-                                   {{256, 256, 256}, 1, "closed"},   {{400, 130, 130}, 1, "tube"}};
+                                   {{256, 256, 256}, 1, "closed"},   {{400, 130, 130}, 1, "tube"},
+                                   {{128, 128, 128}, 1, "sheet"}};
   for (const Case& grid : grids)
     for (const char* solver : {"multigrid", "fast_diagonalisation", "hypre_pfmg_cg"})
       for (int ranks = 1; ranks <= n_ranks_most; ranks *= 2) {
@@ -55,7 +58,7 @@ std::vector<Case> all_cases(int n_ranks_most) {
 #endif
         // The peer knows only closed boxes here, and needs too much memory for the largest.
         if (one.solver == "hypre_pfmg_cg" && (one.borders != "closed" || one.n[0] == 256)) continue;
-        if (one.solver == "fast_diagonalisation" && one.borders == "tube") continue;
+        if (one.solver == "fast_diagonalisation" && (one.borders == "tube" || one.borders == "sheet")) continue;
         if (one.solver == "fast_diagonalisation") one.tolerances = {1e-6};
         cases.push_back(one);
       }
@@ -115,11 +118,67 @@ FaceFractions tube_shares(const StretchedGrid& grid, const BlockDecomposition& b
   return share;
 }
 
+/// A sheet across x in the middle of cells, with a square hole: shares, further pieces and links of this rank.
+void take_sheet(const StretchedGrid& grid, PressureProblem& problem, int layer) {
+  constexpr double lower_part = 0.4;  // of a cut cell; the upper part holds its centre
+  const Box mine = problem.decomposition->mine(), own = box_of(mine.sizes());
+  const Triple n = grid.n_cells();
+  const auto is_inside = [&](const Triple& c) { return box_of(n).contains(c); };
+  const auto is_cut = [&](const Triple& c) {
+    return c[0] == layer && is_inside(c) &&
+           (std::abs(c[1] - n[1] / 2) > n[1] / 8 || std::abs(c[2] - n[2] / 2) > n[2] / 8);
+  };
+  FaceFractions share;
+  SplitCells split;
+  std::map<Triple, int> piece;  // of cut cells, in indices of the whole
+  const auto local = [&](const Triple& c) {
+    return Triple{c[0] - mine.begin[0], c[1] - mine.begin[1], c[2] - mine.begin[2]};
+  };
+  for (Field<float>& field : share) field = Field<float>(mine.sizes(), {1, 1, 1});
+  const Box around = mine.grown({1, 1, 1});
+  for (int k = around.begin[2]; k < around.end[2]; ++k)
+    for (int j = around.begin[1]; j < around.end[1]; ++j)
+      if (const Triple c{layer, j, k}; around.contains(c) && is_cut(c)) {
+        piece[c] = static_cast<int>(split.cell.size());
+        split.cell.push_back(local(c));
+      }
+  for (int k = around.begin[2]; k < around.end[2]; ++k)
+    for (int j = around.begin[1]; j < around.end[1]; ++j)
+      for (int i = around.begin[0]; i < around.end[0]; ++i)
+        for (int d = 0; d < 3; ++d) {
+          const Triple lower{i, j, k}, at = local(lower);
+          Triple upper = lower;
+          ++upper[d];
+          if (!is_inside(lower) || !is_inside(upper) || !around.contains(upper)) continue;
+          const double full = grid.volume(lower) / grid.axis[d].width(lower[d]) / grid.axis[d].distance(lower[d]);
+          const auto end = [&](const Triple& c, bool is_lower_part) {
+            return PressureUnknown{local(c), is_lower_part && is_cut(c) ? piece.at(c) : -1};
+          };
+          const auto add = [&](double part, bool is_lower_part) {
+            const PressureUnknown a = end(lower, is_lower_part), b = end(upper, is_lower_part);
+            if (a.piece < 0 && b.piece < 0)
+              share[d](at[0], at[1], at[2]) += static_cast<float>(part);
+            else if (own.contains(a.cell) || own.contains(b.cell))
+              split.links.push_back({a, b, part * full});
+          };
+          if (d == 0) {
+            add(1, upper[0] == layer);
+          } else if (is_cut(lower) || is_cut(upper)) {
+            add(lower_part, true), add(1 - lower_part, false);
+          } else {
+            add(1, false);
+          }
+        }
+  problem.open_share = std::move(share);
+  problem.split = std::move(split);
+}
+
 struct Measured {
   SolveReport report;
-  double seconds = 1e30, set_up_seconds = 0;  // the fastest of a few: other programs can only slow one down
-  std::size_t n_bytes = 0;                    // held by the solver on rank 0
-  Traffic traffic;                            // of rank 0 in one solve
+  double seconds = 1e30, set_up_seconds = 0,
+         update_seconds = 0;  // the fastest of a few: other programs can only slow one down
+  std::size_t n_bytes = 0;    // held by the solver on rank 0
+  Traffic traffic;            // of rank 0 in one solve
 };
 
 Measured measure(const PressureProblem& problem, const std::string& name, const Field<double>& source, double tolerance,
@@ -129,6 +188,22 @@ Measured measure(const PressureProblem& problem, const std::string& name, const 
   const auto solver = make_pressure_solver(
       problem, name == "multigrid" ? PressureMethod::multigrid : PressureMethod::fast_diagonalisation);
   measured.set_up_seconds = MPI_Wtime() - measured.set_up_seconds;
+  std::vector<double> piece_source, piece_phi;
+  if (problem.split) {
+    piece_source.assign(problem.split->cell.size(), 0.0), piece_phi = piece_source;
+    // A sheet that moves changes the cells on both sides of it.
+    const int begin = problem.split->cell.empty() ? 0 : problem.split->cell.front()[0];
+    Box changed = box_of(problem.decomposition->mine().sizes()).grown({1, 1, 1});
+    changed.begin[0] = begin - 1, changed.end[0] = begin + 2;
+    measured.update_seconds = 1e30;
+    for (int repeat = 0; repeat < n_repeats; ++repeat) {
+      MPI_Barrier(MPI_COMM_WORLD);
+      const double start = MPI_Wtime();
+      solver->update(std::span(&changed, 1));
+      MPI_Barrier(MPI_COMM_WORLD);
+      measured.update_seconds = std::min(measured.update_seconds, MPI_Wtime() - start);
+    }
+  }
   SolveLimits limits;
   limits.relative = tolerance;
   for (int repeat = 0; repeat < n_repeats; ++repeat) {
@@ -136,7 +211,8 @@ Measured measure(const PressureProblem& problem, const std::string& name, const 
     const Traffic before = solver->traffic();
     MPI_Barrier(MPI_COMM_WORLD);
     const double start = MPI_Wtime();
-    measured.report = solver->solve(source, phi, limits);
+    std::fill(piece_phi.begin(), piece_phi.end(), 0.0);
+    measured.report = solver->solve(source, phi, limits, piece_source, piece_phi);
     MPI_Barrier(MPI_COMM_WORLD);
     measured.seconds = std::min(measured.seconds, MPI_Wtime() - start);
     measured.traffic = solver->traffic() - before;
@@ -186,6 +262,7 @@ std::vector<Json> solve_case(const Case& c) {
   problem.decomposition = &blocks;
   const Box mine = blocks.mine();
   if (c.borders == "tube") problem.open_share = tube_shares(grid, blocks);
+  if (c.borders == "sheet") take_sheet(grid, problem, c.n[0] / 2);
   Field<double> source(mine.sizes(), {0, 0, 0}), phi(mine.sizes(), {1, 1, 1});
   double sums[2] = {0, 0};
   const auto for_all = [&](const auto& visit) {
@@ -223,6 +300,7 @@ std::vector<Json> solve_case(const Case& c) {
                     {"iterations", measured.report.iterations},
                     {"true_residual", residual},
                     {"ns_per_cell", 1e9 * measured.seconds / n_cells},
+                    {"update_ns_per_cell", 1e9 * measured.update_seconds / n_cells},
                     {"set_up_ns_per_cell", 1e9 * measured.set_up_seconds / n_cells},
                     {"iterations_per_decade", measured.report.iterations / -std::log10(std::max(1e-300, residual))},
                     {"bytes_per_cell", static_cast<double>(measured.n_bytes) * n_ranks / n_cells},

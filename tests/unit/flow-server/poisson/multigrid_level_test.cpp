@@ -16,11 +16,18 @@ struct TwoLevels {
   BlockDecomposition blocks;
   MultigridLevel level;
 
-  explicit TwoLevels(bool is_open, std::optional<FaceFractions> share = {})
+  /// `share`: of all faces; 0: borders are whole.
+  explicit TwoLevels(bool is_open, float share = 0)
       : plan(plan_levels({axis(24, 4, is_open), axis(18, 1, is_open), axis(20, 2, is_open)})),
         blocks(MPI_COMM_SELF, {Partition{{0, 24}}, Partition{{0, 18}}, Partition{{0, 20}}}, {}),
-        level(plan.axes[0], blocks, std::move(share)) {
+        level(plan.axes[0], blocks, share > 0 ? MultigridLevel::Faces::with_shares : MultigridLevel::Faces::whole) {
     level.join(plan.merging[0], plan.axes[1]);
+    if (share == 0) return;
+    for (int d = 0; d < 3; ++d)
+      for (int k = -(d == 2); k < 20; ++k)
+        for (int j = -(d == 1); j < 18; ++j)
+          for (int i = -(d == 0); i < 24; ++i) level.set_share(d, {i, j, k}, share);
+    level.update(nullptr);
   }
   static LevelAxis axis(int n, double stretching, bool is_open) {
     LevelAxis axis;
@@ -125,23 +132,14 @@ TEST(MultigridLevel, SmoothingOfTheSolutionLeavesIt) {
 }
 
 TEST(MultigridLevel, CoarseSharesAreAreaWeightedMeans) {
-  FaceFractions share;
-  for (int d = 0; d < 3; ++d) {
-    share[d] = Field<float>({24, 18, 20}, {4, 4, 4});
-    for (int k = -1; k < 20; ++k)
-      for (int j = -1; j < 18; ++j)
-        for (int i = -1; i < 24; ++i) share[d](i, j, k) = 0.5f;
-  }
-  TwoLevels both(true, std::move(share));
-  const FaceFractions coarse = both.level.coarse_shares();
+  TwoLevels both(true, 0.5f);
   const Triple n = both.plan.n_cells(1);
-  for (int d = 0; d < 3; ++d)
-    for (int k = 0; k < n[2]; ++k)
-      for (int j = 0; j < n[1]; ++j)
-        for (int i = 0; i < n[0]; ++i) ASSERT_NEAR(coarse[d](i, j, k), 0.5, 1e-6);  // single precision
-  EXPECT_NEAR(coarse[0](-1, 2, 2), 0.5, 1e-6);
-  EXPECT_NEAR(coarse[1](2, -1, 2), 0.5, 1e-6);
-  EXPECT_NEAR(coarse[2](2, 2, -1), 0.5, 1e-6);
+  std::int64_t n_faces = 0;
+  both.level.transfer().coarse_shares([&](int, const Triple&, float share) {
+    EXPECT_NEAR(share, 0.5, 1e-6);  // single precision
+    ++n_faces;
+  });
+  EXPECT_EQ(n_faces, (n[0] + 1) * n[1] * n[2] + n[0] * (n[1] + 1) * n[2] + n[0] * n[1] * (n[2] + 1));
 }
 
 }  // namespace
