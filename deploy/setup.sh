@@ -11,6 +11,7 @@ packages=(
   # libraries
   libopenmpi-dev openmpi-bin libhdf5-openmpi-dev libeigen3-dev libspectra-dev libsuitesparse-dev libopenblas-serial-dev
   cppzmq-dev libprotobuf-dev protobuf-compiler libcli11-dev nlohmann-json3-dev libmuparser-dev
+  libassimp-dev
   # reports, studies and validation cases
   python3 python3-numpy python3-matplotlib python3-h5py python3-meshio
   # programs of one's own that take part in a run

@@ -64,7 +64,10 @@ void halves_agree(const v1::Scene& scene, Review& review) {
 void check_flow_rules(const v1::Scene& scene, Review& review) {
   const bool is_coupled = scene.has_flow() && scene.has_solid();
   if (is_coupled) solid_touches_the_flow(scene, review);
-  if (scene.flow().has_navier_stokes()) check_navier_stokes_rules(scene, review);
+  if (scene.flow().has_navier_stokes()) {
+    check_navier_stokes_rules(scene, review);
+    check_flow_body_rules(scene, review);
+  }
   if (!scene.flow().has_glottis()) return;
   glottis_has_one_channel(scene, review);
   if (!is_coupled) return;

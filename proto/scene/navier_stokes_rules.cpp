@@ -356,9 +356,6 @@ void check_navier_stokes_rules(const v1::Scene& scene, Review& review) {
   const v1::NavierStokes& model = scene.flow().navier_stokes();
   const Space space = space_of(model.grid());
   const FormulaTrial trial(space, scene.time().end(), review);
-  if (scene.has_solid()) {
-    review.complain(model_path, "has no bodies in the flow yet, but the scene has a solid; delete one of them");
-  }
   axis_rises(model.grid().x(), model_path + ".grid.x", review);
   axis_rises(model.grid().y(), model_path + ".grid.y", review);
   axis_rises(model.grid().z(), model_path + ".grid.z", review);

@@ -19,4 +19,14 @@ double TimeTable::at(double t) const {
   return value[i - 1] + weight * (value[i] - value[i - 1]);
 }
 
+double TimeTable::rate(double t) const {
+  assert(!time.empty() && time.size() == value.size());
+  const auto next = std::lower_bound(time.begin(), time.end(), t);
+  if (next == time.begin() || next == time.end()) return 0;
+  const auto i = static_cast<std::size_t>(next - time.begin());
+  const double width = time[i] - time[i - 1], slope = (value[i] - value[i - 1]) / width;
+  const double s = (t - time[i - 1]) / width;
+  return cosine ? slope * 0.5 * std::numbers::pi * std::sin(std::numbers::pi * s) : slope;
+}
+
 }  // namespace couplet::scene

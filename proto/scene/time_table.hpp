@@ -12,6 +12,9 @@ struct TimeTable {
 
   /// Held before the first row and after the last one.
   double at(double t) const;
+
+  /// Per second; at a row that bends the curve, that of the part that ends there.
+  double rate(double t) const;
 };
 
 }  // namespace couplet::scene

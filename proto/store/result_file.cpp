@@ -53,6 +53,10 @@ std::int64_t cell_code(CellShape shape) {
       return 9;
     case CellShape::tetrahedron10:
       return 38;
+    case CellShape::triangle:
+      return 4;
+    case CellShape::quadrilateral:
+      return 5;
     case CellShape::polyline:
     case CellShape::mixed:
       break;
@@ -66,11 +70,11 @@ std::int64_t count_cells(CellShape shape, const std::vector<std::int64_t>& cell_
   std::int64_t n_cells = 0;
   for (std::size_t at = 0; at < cell_node.size(); ++n_cells) {
     const std::int64_t code = cell_node[at];
-    const CellShape kind = code == cell_code(CellShape::hexahedron20)  ? CellShape::hexahedron20
-                           : code == cell_code(CellShape::hexahedron8) ? CellShape::hexahedron8
-                                                                       : CellShape::tetrahedron10;
-    assert(code == cell_code(kind));
-    at += 1 + static_cast<std::size_t>(layout_of(kind).n_columns);
+    const auto kind = std::find_if(cell_layouts.begin(), cell_layouts.end(), [code](const CellLayout& layout) {
+      return layout.shape != CellShape::polyline && layout.shape != CellShape::mixed && cell_code(layout.shape) == code;
+    });
+    assert(kind != cell_layouts.end());
+    at += 1 + static_cast<std::size_t>(kind->n_columns);
   }
   return n_cells;
 }

@@ -12,11 +12,11 @@
 
 namespace couplet::store {
 
-enum class CellShape { polyline, hexahedron20, hexahedron8, tetrahedron10, mixed };
+enum class CellShape { polyline, hexahedron20, hexahedron8, tetrahedron10, mixed, triangle, quadrilateral };
 
-/// Node orders are those of XDMF's Hexahedron_20, Hexahedron and Tetrahedron_10 (those of VTK): corners, then midside
-/// nodes; of hexahedra 4 edges of the bottom, 4 of the top, 4 upright; of tetrahedra edges 0-1, 1-2, 2-0, 0-3, 1-3,
-/// 2-3.
+/// Node orders are those of XDMF's Hexahedron_20, Hexahedron, Tetrahedron_10 and so on (those of VTK): corners, then
+/// midside nodes; of hexahedra 4 edges of the bottom, 4 of the top, 4 upright; of tetrahedra edges 0-1, 1-2, 2-0, 0-3,
+/// 1-3, 2-3.
 struct ResultMesh {
   CellShape shape;
   surface::NodeArray node_position;     // (n_nodes, 3) reference position [m]

@@ -6,7 +6,8 @@
 //     mesh/cell       integer (n_cells, n)      nodes of the cells; a polyline is stored as its segments; of mixed
 //     cells
 //                                               (any, 1): the number of its shape (cell_code) and its nodes for each
-//     mesh/shape      text                      polyline, hexahedron20, hexahedron8, tetrahedron10 or mixed
+//     mesh/shape      text                      polyline, hexahedron20, hexahedron8, tetrahedron10, mixed, triangle or
+//                                               quadrilateral
 //     mesh/cell_numbers text                    names of the integers that each cell has, separated by commas
 //     mesh/NAME       integer (n_cells, 1)      one of them
 //     field_names     text                      of nodes, separated by commas
@@ -36,11 +37,13 @@ struct CellLayout {
   std::int64_t n_columns;
 };
 
-inline constexpr std::array<CellLayout, 5> cell_layouts = {{{CellShape::polyline, "polyline", 2},
+inline constexpr std::array<CellLayout, 7> cell_layouts = {{{CellShape::polyline, "polyline", 2},
                                                             {CellShape::hexahedron20, "hexahedron20", 20},
                                                             {CellShape::hexahedron8, "hexahedron8", 8},
                                                             {CellShape::tetrahedron10, "tetrahedron10", 10},
-                                                            {CellShape::mixed, "mixed", 1}}};
+                                                            {CellShape::mixed, "mixed", 1},
+                                                            {CellShape::triangle, "triangle", 3},
+                                                            {CellShape::quadrilateral, "quadrilateral", 4}}};
 
 inline const CellLayout& layout_of(CellShape shape) {
   return cell_layouts[static_cast<std::size_t>(shape)];

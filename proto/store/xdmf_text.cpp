@@ -55,6 +55,10 @@ std::string topology_type(CellShape shape) {
       return "TopologyType=\"Tetrahedron_10\"";
     case CellShape::mixed:
       return "TopologyType=\"Mixed\"";
+    case CellShape::triangle:
+      return "TopologyType=\"Triangle\"";
+    case CellShape::quadrilateral:
+      return "TopologyType=\"Quadrilateral\"";
   }
   return "";
 }

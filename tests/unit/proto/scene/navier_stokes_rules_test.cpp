@@ -173,15 +173,5 @@ TEST(NavierStokesRules, WantAnExactFlowToCompareWith) {
                              "is exact in two dimensions only, but the grid has a z; delete it")));
 }
 
-TEST(NavierStokesRules, RefuseASolidInTheFlow) {
-  const std::string solid =
-      "solid { body { name: \"block\" box { length { x: 1 y: 1 z: 1 } } material { density: 1 saint_venant_kirchhoff { "
-      "young_modulus: 1 poisson_ratio: 0.3 } } wetted: [\"x_max\"] } }\noutput";
-  EXPECT_THAT(
-      complaints_about(with("output", solid, good_flow)),
-      ElementsAre("scene.txtpb:5:3: flow.navier_stokes: has no bodies in the flow yet, but the scene has a solid; "
-                  "delete one of them"));
-}
-
 }  // namespace
 }  // namespace couplet::scene

@@ -23,6 +23,19 @@ TEST(TimeTable, IsStraightBetweenRows) {
   EXPECT_DOUBLE_EQ(table.at(2), 2);
 }
 
+TEST(TimeTable, HasTheRateOfItsSlope) {
+  const TimeTable line{{0, 1, 3}, {0, 4, 0}, false};
+  EXPECT_EQ(line.rate(0), 0);  // held before
+  EXPECT_EQ(line.rate(0.5), 4);
+  EXPECT_EQ(line.rate(1), 4);  // of the part that ends there
+  EXPECT_EQ(line.rate(2), -2);
+  EXPECT_EQ(line.rate(3), -2);
+  EXPECT_EQ(line.rate(3.5), 0);
+  const TimeTable smooth{{0, 2}, {0, 3}, true};
+  EXPECT_DOUBLE_EQ(smooth.rate(1), 1.5 * 3.14159265358979323846 / 2);  // steepest half-way: pi / 2 of the mean slope
+  EXPECT_NEAR(smooth.rate(2), 0, 1e-15);
+}
+
 TEST(TimeTable, IsSmoothWithACosine) {
   const TimeTable table{{0, 1}, {0, 2}, true};
   EXPECT_DOUBLE_EQ(table.at(0.5), 1);

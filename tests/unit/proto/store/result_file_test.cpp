@@ -194,6 +194,11 @@ TEST(ResultFile, HoldsCellsOfEveryShape) {
               testing::HasSubstr("<Topology TopologyType=\"Hexahedron\" NumberOfElements=\"1\">"));
   EXPECT_THAT(write(CellShape::tetrahedron10, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9}),
               testing::HasSubstr("<Topology TopologyType=\"Tetrahedron_10\" NumberOfElements=\"2\">"));
+  EXPECT_THAT(write(CellShape::triangle, {0, 1, 2, 0, 2, 3}),
+              testing::HasSubstr("<Topology TopologyType=\"Triangle\" NumberOfElements=\"2\">"));
+  EXPECT_THAT(write(CellShape::quadrilateral, {0, 1, 2, 3}),
+              testing::HasSubstr("<Topology TopologyType=\"Quadrilateral\" NumberOfElements=\"1\">"));
+  EXPECT_THAT(write(CellShape::mixed, {4, 0, 1, 2, 5, 0, 1, 2, 3}), testing::HasSubstr("NumberOfElements=\"2\""));
   const std::string mixed =
       write(CellShape::mixed, {9,  0,  1,  2,  3,  4,  5,  6,  7,  38, 0,  1,  2,  3,  4,  5,  6,  7,  8,  9, 48,
                                20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39});
