@@ -29,6 +29,20 @@ ActiveCells ActiveCells::where(const Box& range, const std::function<bool(int i,
   return cells;
 }
 
+ActiveCells ActiveCells::of_rows(const Box& range,
+                                 const std::function<void(int j, int k, std::vector<Interval>& intervals)>& append) {
+  ActiveCells cells(range);
+  for (int k = range.begin[2]; k < range.end[2]; ++k)
+    for (int j = range.begin[1]; j < range.end[1]; ++j) {
+      const std::size_t before = cells.intervals_.size();
+      append(j, k, cells.intervals_);
+      for (std::size_t i = before; i < cells.intervals_.size(); ++i)
+        cells.n_cells_ += cells.intervals_[i].end - cells.intervals_[i].begin;
+      cells.first_.push_back(cells.intervals_.size());
+    }
+  return cells;
+}
+
 bool ActiveCells::contains(int i, int j, int k) const {
   if (!range_.contains({i, j, k})) return false;
   for (const Interval& interval : row(j, k))

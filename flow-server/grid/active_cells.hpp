@@ -22,6 +22,9 @@ class ActiveCells {
  public:
   /// All cells of `range` (local indices, ghosts included as wanted).
   static ActiveCells all(const Box& range);
+  /// `append(j, k, intervals)` appends the intervals of a row in rising order, within the range.
+  static ActiveCells of_rows(const Box& range,
+                             const std::function<void(int j, int k, std::vector<Interval>& intervals)>& append);
   static ActiveCells where(const Box& range, const std::function<bool(int i, int j, int k)>& is_active);
 
   const Box& range() const { return range_; }

@@ -4,10 +4,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include "flow-server/grid/field.hpp"
 
 namespace couplet::flow {
+
+class BodyGeometry;
 
 /// What FlowState::rate holds of the step before.
 enum class RateKind {
@@ -28,7 +31,8 @@ struct FlowState {
   double courant_rate = 0;   // largest sum of |u| / dx of the velocity on all ranks [1/s]
   double largest_speed = 0;  // of the velocity on all ranks [m/s]
   RateKind rate_kind = RateKind::none;
-  VectorField rate;  // [m/s^2]; empty where the scheme needs none
+  VectorField rate;                      // [m/s^2]; empty where the scheme needs none
+  std::shared_ptr<BodyGeometry> bodies;  // where there are bodies: their place, and the pressure of cut cells
 };
 
 }  // namespace couplet::flow

@@ -12,12 +12,14 @@ namespace couplet::flow {
 /// Positions and velocities are those of one time; which corners make a triangle never changes.
 struct BodySurface {
   std::string name;
-  bool is_closed = false;                    // bounds a body: fluid only where the normals point to; else on both sides
-  std::vector<Point> position;               // (n_corners) [m]
-  std::vector<Point> velocity;               // (n_corners) [m/s]
+  bool is_closed = false;       // bounds a body: fluid only where the normals point to; else on both sides
+  bool is_lumen = false;        // of a closed one: the fluid is inside; where there is a lumen all else is solid
+  std::vector<Point> position;  // (n_corners) [m]
+  std::vector<Point> velocity;  // (n_corners) [m/s]
   std::vector<std::array<int, 3>> triangle;  // corners; the right-hand normal points to the side that is called outer
-  /// Share of the fluid that passes through the surface as if it were not there, 0 to 1; empty: 0 everywhere. Rises
-  /// across a smooth free edge, where the triangles go on beyond the sheet.
+  /// Share of the fluid that passes through the surface as if it were not there; empty: 0 everywhere. Rises linearly
+  /// across a smooth free edge, where the triangles go on beyond the sheet, and further above 1 to their end: at a
+  /// place between corners it is min(sum of weight opening, 1), cut off after the interpolation and nowhere else.
   std::vector<double> opening;  // (n_corners)
 };
 

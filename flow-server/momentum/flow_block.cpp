@@ -11,7 +11,7 @@ AxisMetrics make_axis_metrics(const StretchedAxis& axis, int begin, int end) {
   const auto width = [&](int cell) {
     return axis.is_periodic() || (cell >= 0 && cell < axis.n_cells()) ? axis.width(cell) : 0.0;
   };
-  for (int i = -2; i < n + 2; ++i) {
+  for (int i = -axis_margin; i < n + axis_margin; ++i) {
     const int cell = begin + i;
     const double here = width(cell), next = width(cell + 1);
     metrics.centre[i] = axis.centre(cell);

@@ -12,13 +12,16 @@
 
 namespace couplet::flow {
 
-/// One number for each cell or face of a direction of a block, local indices -2 .. n + 1.
+/// Numbers along an axis are known that many cells beyond a block.
+inline constexpr int axis_margin = 4;
+
+/// One number for each cell or face of a direction of a block and of its margin.
 class AxisValues {
  public:
-  explicit AxisValues(int n_cells = 0) : values_(static_cast<std::size_t>(n_cells + 4)) {}
-  double& operator[](int i) { return values_[static_cast<std::size_t>(i + 2)]; }
-  double operator[](int i) const { return values_[static_cast<std::size_t>(i + 2)]; }
-  const double* from_zero() const { return values_.data() + 2; }
+  explicit AxisValues(int n_cells = 0) : values_(static_cast<std::size_t>(n_cells + 2 * axis_margin)) {}
+  double& operator[](int i) { return values_[static_cast<std::size_t>(i + axis_margin)]; }
+  double operator[](int i) const { return values_[static_cast<std::size_t>(i + axis_margin)]; }
+  const double* from_zero() const { return values_.data() + axis_margin; }
 
  private:
   std::vector<double> values_;

@@ -45,7 +45,8 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
   block.n_dimensions = setup.grid.n_dimensions;
   const Box& mine = decomposition.mine();
   block.sizes = mine.sizes();
-  block.ghosts = {2, 2, block.n_dimensions == 3 ? 2 : 0};
+  const int n_ghosts = setup.bodies ? axis_margin : 2;  // images of walls reach further
+  block.ghosts = {n_ghosts, n_ghosts, block.n_dimensions == 3 ? n_ghosts : 0};
   for (int d = 0; d < 3; ++d) block.axis[d] = make_axis_metrics(setup.grid.axis[d], mine.begin[d], mine.end[d]);
 
   const Triple n_cells = setup.grid.n_cells();
@@ -92,8 +93,8 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
 PressureProblem make_pressure_problem(const NavierStokesSetup& setup, const FlowBlock& block,
                                       const FlowBorder& border) {
   PressureProblem problem{
-      .grid = block.grid, .decomposition = block.decomposition, .border_is_open = {}, .open_share = {}};
-  bool needs_faces = static_cast<bool>(setup.is_fluid);
+      .grid = block.grid, .decomposition = block.decomposition, .border_is_open = {}, .open_share = {}, .split = {}};
+  bool needs_faces = setup.is_fluid || setup.bodies;
   for (int d = 0; d < block.n_dimensions; ++d)
     for (int side = 0; side < 2; ++side) {
       problem.border_is_open[d][side] = border.is_all_open(d, side);

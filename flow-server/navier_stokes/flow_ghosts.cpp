@@ -31,12 +31,13 @@ void FlowGhosts::fill(VectorField& velocity) {
 void FlowGhosts::fill(FlowState& state) {
   std::vector<Field<double>*> fields = pointers(state.velocity);
   fields.push_back(&state.pressure);
-  exchange_.exchange(fields, 1);
+  const int depth = state.bodies ? axis_margin : 1;
+  exchange_.exchange(fields, depth);
   border_.begin_step(state.velocity);
   border_.fill_velocity_ghosts(state.velocity);
   border_.fill_pressure_ghosts(state.pressure);
   // Edges between a border and a neighbour: the neighbour has them now. Only what is measured near walls asks for them.
-  if (has_borders_) exchange_.exchange(fields, 1);
+  if (has_borders_) exchange_.exchange(fields, depth);
 }
 
 std::vector<Field<double>*> FlowGhosts::pointers(VectorField& fields) const {

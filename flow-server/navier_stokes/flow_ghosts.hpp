@@ -20,6 +20,9 @@ class FlowGhosts {
   /// Collective. Only what neighbours own.
   void fill_from_neighbours(VectorField& fields) { exchange_.exchange(pointers(fields), 1); }
 
+  /// The exchange itself, for fields of the same shape.
+  HaloExchange& exchange() { return exchange_; }
+
   /// Collective. The same of velocity and pressure of a state whose border values are those of its time.
   void fill(FlowState& state);
 

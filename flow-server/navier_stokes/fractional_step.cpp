@@ -31,6 +31,9 @@ const NavierStokesSetup& checked(const NavierStokesSetup& setup, const BlockDeco
   if (!(setup.viscosity >= 0) || !std::isfinite(setup.viscosity))
     refuse("viscosity of the fluid", setup.viscosity, "Pa s", "give 0 or a positive number");
   if (!(setup.step.largest > 0)) refuse("largest step", setup.step.largest, "s", "give a positive number");
+  if (setup.bodies && setup.scheme == TimeScheme::crank_nicolson)
+    throw report::SceneError("time scheme", "is Crank-Nicolson in a flow with bodies, whose lines do not end at walls",
+                             "take RUNGE_KUTTA or ADAMS_BASHFORTH");
   if (setup.step.courant <= 0) refuse("Courant number", setup.step.courant, "", "give a positive number");
   if (setup.grid.is_periodic() != decomposition.is_periodic() || setup.grid.n_cells() != decomposition.all().end)
     throw report::SceneError("decomposition", "does not belong to the grid of the flow");
@@ -57,8 +60,9 @@ struct FractionalStep::Parts {
         border(checked(setup, blocks).grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
         block(make_flow_block(setup, blocks, border)),
         ghosts(block, border),
-        predictor(setup, block, border, ghosts),
-        correction(setup, block, border, ghosts),
+        bodies(setup.bodies ? std::make_unique<ImmersedBodies>(block, setup.body_settings) : nullptr),
+        predictor(setup, block, border, ghosts, bodies.get()),
+        correction(setup, block, border, ghosts, bodies.get()),
         diffusion(diffusion_rate(setup.grid, setup.kinematic_viscosity())) {
     std::int64_t n_cells = block.cells.n_cells();
     MPI_Allreduce(MPI_IN_PLACE, &n_cells, 1, MPI_INT64_T, MPI_SUM, blocks.communicator());
@@ -78,6 +82,7 @@ struct FractionalStep::Parts {
   FlowBorder border;
   FlowBlock block;
   FlowGhosts ghosts;
+  std::unique_ptr<ImmersedBodies> bodies;  // where there are any
   Predictor predictor;
   PressureCorrection correction;
   double diffusion;  // largest eigenvalue [1/s]
@@ -109,7 +114,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
   const FlowState* from = &start;
   for (double done = 0; done < duration;) {
     // Planned once; again where the flow has become faster than the plan allows.
-    StepRates rates{from->courant_rate, parts.diffusion};
+    StepRates rates{from->courant_rate, parts.diffusion, !parts.bodies};
     if (plan.n_steps == 0 || parts.is_too_long((duration - done) / plan.n_steps, plan.scheme, rates))
       plan = plan_steps(parts.setup.scheme, rates, parts.setup.step, duration - done);
 
@@ -162,6 +167,11 @@ FlowState FractionalStep::initial_state() {
   return state;
 }
 
+void FractionalStep::place_bodies(FlowState& state) {
+  if (parts_->bodies) parts_->bodies->expect_jump();
+  parts_->correction.place_bodies(state.time, state);
+}
+
 void FractionalStep::fill_ghosts(FlowState& state) {
   Parts& parts = *parts_;
   parts.border.set_pressure_time(state.pressure_time);
@@ -178,6 +188,11 @@ void FractionalStep::Parts::shape(FlowState& state) const {
     state.pressure = block.new_field();
     state.velocity = block.new_vector_field();
   }
+}
+
+std::vector<SurfaceLoad> FractionalStep::body_loads(const FlowState& state) const {
+  if (!state.bodies) return {};
+  return BodyLoads(parts_->block, parts_->setup.viscosity).measure(state);
 }
 
 std::size_t FractionalStep::n_bytes() const {

@@ -7,6 +7,7 @@
 #include "flow-server/grid/active_cells.hpp"
 #include "flow-server/grid/block_decomposition.hpp"
 #include "flow-server/grid/flow_state.hpp"
+#include "flow-server/immersed/body_loads.hpp"
 #include "flow-server/navier_stokes/navier_stokes_setup.hpp"
 
 namespace couplet::flow {
@@ -38,6 +39,9 @@ class FractionalStep {
   /// The state at t = 0: the initial velocity made free of divergence, ghosts filled.
   FlowState initial_state();
 
+  /// Bodies of a state at its time, with no pressure of their own yet; nothing where there are none: after a restart.
+  void place_bodies(FlowState& state);
+
   /// Collective. Fills ghosts and speeds of a state whose times, velocity, pressure and rate were set: after a restart.
   /// Faces at the start of the block (entry -1) on openings and outflows of the border are part of what must be set.
   void fill_ghosts(FlowState& state);
@@ -45,6 +49,9 @@ class FractionalStep {
   /// Solves over `duration` [s] in as many equal steps as stability asks for. `start` stays as it is; `end` may be any
   /// state of the same shape, or empty. Equal arguments give equal bits. Throws NumericsError.
   AdvanceReport advance(const FlowState& start, double duration, FlowState& end);
+
+  /// Collective. The force of the fluid on each surface of NavierStokesSetup::bodies; the same on all ranks.
+  std::vector<SurfaceLoad> body_loads(const FlowState& state) const;
 
   std::size_t n_bytes() const;  // held on this rank, without the states
   Traffic traffic() const;      // sent so far by this rank

@@ -41,6 +41,16 @@ void set_pressure(const NavierStokesSetup& setup, const FlowBlock& block, Field<
       });
 }
 
+/// All parts of a cut cell alike; the first projection tells them apart.
+void set_piece_pressure(const NavierStokesSetup& setup, const FlowBlock& block, BodyGeometry& bodies) {
+  const CutCells& cut = bodies.cut();
+  for (std::size_t f = 0; f < bodies.piece_pressure.size(); ++f) {
+    const CellPart& part = cut.parts()[static_cast<std::size_t>(cut.further_parts()[f])];
+    const Triple& cell = cut.cells()[static_cast<std::size_t>(part.cell)].cell;
+    bodies.piece_pressure[f] = setup.initial_pressure.at(centre_of_cell(block, cell), 0);
+  }
+}
+
 /// du/dt by everything but the pressure, on all faces; on borders with a known velocity that of the border.
 VectorField acceleration_without_pressure(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border,
                                           const FlowState& state) {
@@ -66,12 +76,14 @@ void set_initial_flow(const NavierStokesSetup& setup, const FlowBlock& block, Fl
   border.begin_step(state.velocity);
   border.set_time(0, 0, state.velocity);
   border.impose(state.velocity);
+  correction.place_bodies(0, state);
   correction.make_solenoidal(state);
 
   set_zero(block, state.pressure);
   if (is_given(setup.initial_pressure)) {
     set_pressure(setup, block, state.pressure);
-  } else {
+    if (state.bodies) set_piece_pressure(setup, block, *state.bodies);
+  } else if (!setup.bodies) {
     ghosts.fill(state.velocity);
     VectorField acceleration = acceleration_without_pressure(setup, block, border, state);
     correction.find_pressure(acceleration, state.pressure);

@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "flow-server/navier_stokes/navier_stokes_checkpoint.hpp"
 #include "flow-server/poisson/multigrid.hpp"
 #include "proto/report/failure.hpp"
 
@@ -104,32 +103,59 @@ const BlockDecomposition& that_fits(const BlockDecomposition& decomposition, boo
 
 NavierStokesModel::NavierStokesModel(NavierStokesOptions options, MPI_Comm ranks)
     : options_(std::move(options)),
+      surfaces_(make_surfaces()),
       decomposition_(decompose(options_.setup.grid, options_.shape, ranks)),
-      step_(options_.setup, that_fits(decomposition_, options_.setup.is_fluid != nullptr)),
+      step_(options_.setup, that_fits(decomposition_, options_.setup.is_fluid || options_.setup.bodies)),
       accepted_(step_.initial_state()),
-      no_force_(surface::NodeArray::Zero(0, 3)) {
-  no_interface_.node_position = surface::NodeArray::Zero(0, 3);
-  if (options_.initial_file.empty()) return;
-  resume(options_.initial_file);
-  accepted_.time = accepted_.pressure_time = 0;
-  accepted_.last_step = std::numeric_limits<double>::quiet_NaN();
-  accepted_.rate_kind = RateKind::none;  // what was before belongs to another run
-  step_.fill_ghosts(accepted_);
+      force_(surface::NodeArray::Zero(0, 3)) {
+  for (const BalanceBox& box : options_.observed.balances) cells_of(options_.setup.grid, box);  // throws at once
+  interface_.node_position = surface::NodeArray::Zero(0, 3);
+  if (options_.coupled) interface_ = options_.bodies[static_cast<std::size_t>(*options_.coupled)].mesh;
+  if (!options_.initial_file.empty()) read_state(options_.initial_file, false);
+  measure_loads(accepted_);
 }
 
 FlowPart NavierStokesModel::part() const {
   return {options_.setup.grid, decomposition_, step_.active(), accepted_};
 }
 
-void NavierStokesModel::solve_step(double duration, const surface::FieldSet&) {
+std::optional<BodySurfaces> NavierStokesModel::make_surfaces() {
+  if (options_.bodies.empty()) return std::nullopt;
+  options_.setup.bodies = [this](double time) { return surfaces_->at(time); };
+  return std::optional<BodySurfaces>(std::in_place, options_.bodies, options_.setup.grid);
+}
+
+std::vector<std::string> NavierStokesModel::needs() const {
+  if (!options_.coupled) return {};
+  return {"displacement", "velocity"};
+}
+
+void NavierStokesModel::solve_step(double duration, const surface::FieldSet& motion) {
   const Stopwatch watch(solve_seconds_);
+  if (options_.coupled)
+    surfaces_->set_motion(*options_.coupled,
+                          {accepted_.time + duration, surface::find_field(motion, "displacement").values,
+                           surface::find_field(motion, "velocity").values});
   report_ = step_.advance(accepted_, duration, trial_);
   n_substeps_ += report_.n_steps;
+  if (options_.coupled) measure_loads(trial_);
+}
+
+void NavierStokesModel::measure_loads(const FlowState& state) {
+  loads_ = step_.body_loads(state);
+  if (!options_.coupled) return;
+  const auto body = static_cast<std::size_t>(*options_.coupled);
+  force_ = surfaces_->nodal_force(*options_.coupled, loads_[body].corner_force);
 }
 
 std::vector<FlowQuantity> NavierStokesModel::accept_step() {
   std::swap(accepted_, trial_);
   const Stopwatch watch(measure_seconds_);
+  if (options_.coupled) {
+    surfaces_->accept_motion();
+  } else {
+    measure_loads(accepted_);
+  }
   std::vector<FlowQuantity> quantities{
       {"flow.substeps", static_cast<double>(report_.n_steps), "1"},
       {"flow.courant", report_.courant, "1"},
@@ -138,6 +164,15 @@ std::vector<FlowQuantity> NavierStokesModel::accept_step() {
       {"flow.pressure_iterations", static_cast<double>(report_.pressure_iterations), "1"},
       {"flow.pressure_residual", report_.pressure_residual, "1"},
   };
+  for (std::size_t b = 0; b < loads_.size(); ++b)
+    for (int d = 0; d < options_.setup.grid.n_dimensions; ++d) {
+      const auto at = static_cast<std::size_t>(d);
+      const std::string name = "body." + options_.bodies[b].name + ".";
+      const std::string direction(1, "xyz"[d]);
+      const double pressure = loads_[b].pressure_force[at], viscous = loads_[b].viscous_force[at];
+      quantities.push_back({name + "force_" + direction, pressure + viscous, "N"});
+      quantities.push_back({name + "viscous_force_" + direction, viscous, "N"});
+    }
   add_measurements(quantities);
   return quantities;
 }
@@ -163,6 +198,18 @@ void NavierStokesModel::add_measurements(std::vector<FlowQuantity>& quantities) 
       summed.push_back({probe.name + ".velocity_" + std::string(1, "xyz"[d]), value.velocity[d], "m/s"});
     summed.push_back({probe.name + ".pressure", value.pressure, "Pa"});
   }
+  for (const BalanceBox& box : observed.balances) {
+    const NavierStokesSetup& setup = options_.setup;
+    const Box cells = cells_of(setup.grid, box);
+    const auto momentum_in = [&](const FlowState& state) {
+      return measure_momentum({setup.grid, decomposition_, step_.active(), state}, cells, setup.density,
+                              setup.viscosity, setup.body_force);
+    };
+    // The state before is the one that the accepted one has changed places with. Linear in what ranks measure.
+    const Point force = force_on_bodies(momentum_in(trial_), momentum_in(accepted_));
+    for (int d = 0; d < setup.grid.n_dimensions; ++d)
+      summed.push_back({box.name + ".force_balance_" + std::string(1, "xyz"[d]), force[d], "N"});
+  }
   if (!summed.empty()) {
     std::vector<double> values;
     for (const FlowQuantity& quantity : summed) values.push_back(quantity.value);
@@ -185,16 +232,50 @@ void NavierStokesModel::add_measurements(std::vector<FlowQuantity>& quantities) 
 
 void NavierStokesModel::write_checkpoint(const std::filesystem::path& path) const {
   const Stopwatch watch(checkpoint_seconds_);
-  write_navier_stokes_checkpoint(path, accepted_, options_.setup.grid, decomposition_);
+  const std::optional<NodalMotion> motion = options_.coupled ? surfaces_->start(*options_.coupled) : std::nullopt;
+  write_navier_stokes_checkpoint(path, accepted_, options_.setup.grid, decomposition_, motion);
 }
 
 void NavierStokesModel::resume(const std::filesystem::path& path) {
-  read_navier_stokes_checkpoint(path, options_.setup.grid, decomposition_, accepted_);
+  read_state(path, true);
+  measure_loads(accepted_);
+}
+
+/// Of this run, to go on; or the flow of another run as that at t = 0, where bodies start as this run says.
+void NavierStokesModel::read_state(const std::filesystem::path& path, bool is_same_run) {
+  const StoredBodies stored = read_navier_stokes_checkpoint(path, options_.setup.grid, decomposition_, accepted_);
   const double courant_rate = accepted_.courant_rate, largest_speed = accepted_.largest_speed;
+  if (!is_same_run) {
+    accepted_.time = accepted_.pressure_time = 0;
+    accepted_.last_step = std::numeric_limits<double>::quiet_NaN();
+    accepted_.rate_kind = RateKind::none;  // what was before belongs to another run
+  }
+  if (is_same_run) require_same_bodies(stored, path);
+  if (is_same_run && stored.motion && options_.coupled) surfaces_->set_start(*options_.coupled, *stored.motion);
+  step_.place_bodies(accepted_);
+  if (accepted_.bodies) {
+    int n_missing = restore_bodies(stored, options_.setup.grid, decomposition_, accepted_);
+    MPI_Allreduce(MPI_IN_PLACE, &n_missing, 1, MPI_INT, MPI_SUM, decomposition_.communicator());
+    if (is_same_run && n_missing > 0)
+      throw report::FileError(path.string(), "its bodies do not stand where those of the scene do",
+                              "resume with the scene of the run that wrote the checkpoint");
+  }
   step_.fill_ghosts(accepted_);
+  if (!is_same_run) return;
   // Measured again they would differ in the last bit, and with them the tolerance of the next pressure.
   accepted_.courant_rate = courant_rate;
   accepted_.largest_speed = largest_speed;
+}
+
+void NavierStokesModel::require_same_bodies(const StoredBodies& stored, const std::filesystem::path& path) const {
+  std::vector<std::string> names;
+  for (const BodySetup& body : options_.bodies) names.push_back(body.name);
+  if (stored.names == names) return;
+  throw report::FileError(path.string(),
+                          "its flow has " + std::to_string(stored.names.size()) + " bodies, that of the scene " +
+                              std::to_string(names.size()) +
+                              (stored.names.size() == names.size() ? " of other names" : ""),
+                          "resume with the scene of the run that wrote the checkpoint");
 }
 
 void NavierStokesModel::start_results(const std::filesystem::path& results_folder) {

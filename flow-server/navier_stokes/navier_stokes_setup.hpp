@@ -7,6 +7,7 @@
 
 #include "flow-server/boundary/face_condition.hpp"
 #include "flow-server/grid/stretched_grid.hpp"
+#include "flow-server/immersed/body_geometry.hpp"
 #include "flow-server/poisson/pressure_solver.hpp"
 
 namespace couplet::flow {
@@ -46,6 +47,9 @@ struct NavierStokesSetup {
   StepLimits step;
   PressureSettings pressure;
   bool balances_inflow = false;  // spread a net inflow over the prescribed inlets where it has no way out
+  /// The surfaces in the flow at a time, always the same ones in the same order; not set: there are none.
+  std::function<std::vector<BodySurface>(double time)> bodies = {};
+  BodyFlowSettings body_settings = {};
 
   double kinematic_viscosity() const { return viscosity / density; }  // [m^2/s]
 };

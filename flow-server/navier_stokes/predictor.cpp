@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "flow-server/immersed/cut_momentum.hpp"
 #include "flow-server/momentum/explicit_momentum.hpp"
 
 namespace couplet::flow {
@@ -23,8 +24,14 @@ const VectorField& rate_before(const FlowState& from, const FlowState& to) {
 
 }  // namespace
 
-Predictor::Predictor(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border, FlowGhosts& ghosts)
-    : setup_(setup), block_(block), border_(border), ghosts_(ghosts), force_(block, setup.body_force, setup.density) {}
+Predictor::Predictor(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border, FlowGhosts& ghosts,
+                     ImmersedBodies* bodies)
+    : setup_(setup),
+      block_(block),
+      border_(border),
+      ghosts_(ghosts),
+      bodies_(bodies),
+      force_(block, setup.body_force, setup.density) {}
 
 void Predictor::predict(const FlowState& from, double dt, TimeScheme scheme, FlowState& to) {
   border_.begin_step(from.velocity);
@@ -50,8 +57,22 @@ void Predictor::predict_by_adams_bashforth(const FlowState& from, double dt, Flo
                                 .pressure = dt / setup_.density,
                                 .impulse = force_.uniform_change(middle, dt),
                                 .viscosity = setup_.kinematic_viscosity()};
+  // A face that has come to another side of a wall remembers that side's rate: it takes the present one for it.
+  std::vector<double> forgotten;
+  if (from.bodies)
+    for (const auto& [c, face, closed] : from.bodies->changed_faces)
+      forgotten.push_back(rate_before(from, to)[c](face[0], face[1], face[2]));
   advance_momentum(block_, block_.everything(), weights, from.velocity, from.velocity, from.pressure,
                    &rate_before(from, to), &to.rate, to.velocity);
+  if (from.bodies) {
+    correct_cut_rows(block_, from.bodies->layer(), weights.viscosity, weights.now, from.velocity, &to.rate,
+                     to.velocity);
+    for (std::size_t n = 0; n < forgotten.size(); ++n) {
+      const auto& [c, face, closed] = from.bodies->changed_faces[n];
+      to.velocity[c](face[0], face[1], face[2]) +=
+          weights.before * closed * (to.rate[c](face[0], face[1], face[2]) - forgotten[n]);
+    }
+  }
   force_.add_varying(middle, dt, to.velocity);
   border_.add_pressure_change(dt / setup_.density, from.pressure, to.velocity);
   border_.set_time(from.time + dt, dt, from.velocity);
@@ -79,18 +100,25 @@ void Predictor::predict_by_runge_kutta(const FlowState& from, double dt, bool ke
     if (s == 0) {
       advance_momentum(block_, block_.everything(), weights, from.velocity, from.velocity, from.pressure, nullptr,
                        &first_rate, fresh);
+      if (from.bodies)
+        correct_cut_rows(block_, from.bodies->layer(), weights.viscosity, weights.now, from.velocity, &first_rate,
+                         fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage_;
       ghosts_.while_filling(old, true, [&](const Box& box) {
         advance_momentum(block_, box, weights, old, old, from.pressure, s == 1 ? &first_rate : &rate_,
                          s == 1 ? &rate_ : nullptr, fresh);
       });
+      if (from.bodies)
+        correct_cut_rows(block_, from.bodies->layer(), weights.viscosity, weights.now, old, s == 1 ? &rate_ : nullptr,
+                         fresh);
     }
     force_.add_varying(middle, part, fresh);
     border_.add_pressure_change(part / setup_.density, from.pressure, fresh);
     elapsed += part;
     border_.set_time(s == 2 ? from.time + dt : from.time + elapsed, elapsed, from.velocity);
     border_.impose(fresh);
+    if (bodies_ && s < 2) bodies_->forcing().hold(*from.bodies, ghosts_.exchange(), fresh);
   }
   to.rate_kind = keeps_rate ? RateKind::of_momentum : RateKind::none;
 }

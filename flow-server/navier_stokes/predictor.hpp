@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "flow-server/grid/flow_state.hpp"
+#include "flow-server/immersed/immersed_bodies.hpp"
 #include "flow-server/momentum/body_force.hpp"
 #include "flow-server/momentum/implicit_momentum.hpp"
 #include "flow-server/navier_stokes/flow_ghosts.hpp"
@@ -14,7 +15,9 @@ namespace couplet::flow {
 class Predictor {
  public:
   /// All must outlive this.
-  Predictor(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border, FlowGhosts& ghosts);
+  /// `bodies`: null where there are none.
+  Predictor(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border, FlowGhosts& ghosts,
+            ImmersedBodies* bodies);
 
   /// Collective. u* = u + dt [convection and diffusion by the scheme - grad p / rho + f], with the pressure p of the
   /// step before; leaves in the end state what the scheme will want to know of this step. `scheme` is not automatic.
@@ -37,6 +40,7 @@ class Predictor {
   const FlowBlock& block_;
   FlowBorder& border_;
   FlowGhosts& ghosts_;
+  ImmersedBodies* bodies_;
   BodyForce force_;
   std::unique_ptr<ImplicitMomentum> implicit_;  // Crank-Nicolson only
   VectorField stage_;                           // of Runge-Kutta; the convecting velocity of Crank-Nicolson

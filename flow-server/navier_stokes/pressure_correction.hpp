@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "flow-server/grid/flow_state.hpp"
+#include "flow-server/immersed/immersed_bodies.hpp"
 #include "flow-server/navier_stokes/flow_ghosts.hpp"
 #include "flow-server/navier_stokes/navier_stokes_setup.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
@@ -13,7 +14,9 @@ namespace couplet::flow {
 class PressureCorrection {
  public:
   /// All must outlive this. Collective.
-  PressureCorrection(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border, FlowGhosts& ghosts);
+  /// `bodies`: null where there are none.
+  PressureCorrection(const NavierStokesSetup& setup, const FlowBlock& block, FlowBorder& border, FlowGhosts& ghosts,
+                     ImmersedBodies* bodies);
 
   /// What a correction found and left.
   struct Result {
@@ -32,6 +35,9 @@ class PressureCorrection {
   /// terms [m/s^2].
   void find_pressure(VectorField& acceleration, Field<double>& pressure);
 
+  /// Collective. Bodies of a state at its time; nothing where there are none.
+  void place_bodies(double time, FlowState& state);
+
   /// Collective. What the steps from this state on are planned with.
   void measure_speed(FlowState& state);
 
@@ -39,8 +45,12 @@ class PressureCorrection {
   Traffic traffic() const;
 
  private:
-  void take_divergence_of(VectorField& velocity, double factor);
+  void force_walls(const FlowState& from, double step_over_density, FlowState& to);
+  void take_divergence_of(VectorField& velocity, double factor, const BodyGeometry* bodies);
+  double body_that_leaves(const BodyGeometry& now) const;
+  FlowMeasure correct_velocity(const FlowState& from, double step_over_density, double viscous_factor, FlowState& to);
   SolveReport solve(const SolveLimits& limits);
+  const ActiveCells& measured() const { return bodies_ ? whole_cells_ : block_.cells; }
 
   const NavierStokesSetup& setup_;
   const FlowBlock& block_;
@@ -49,7 +59,10 @@ class PressureCorrection {
   PressureProblem problem_;  // outlives its solver
   std::unique_ptr<PressureSolver> solver_;
   Field<double> source_, phi_;
-  double smallest_width_;  // [m]
+  ImmersedBodies* bodies_;  // null where there are none
+  std::vector<double> piece_source_, piece_phi_, further_phi_;
+  ActiveCells whole_cells_ = ActiveCells::all({});  // that no body cuts
+  double smallest_width_;                           // [m]
   std::int64_t n_reductions_ = 0;
 };
 

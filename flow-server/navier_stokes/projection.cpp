@@ -74,9 +74,9 @@ class RowMeasure {
 };
 
 template <bool three>
-FlowMeasure sweep(const FlowBlock& block, double factor, const Field<double>* phi, double viscous_factor,
-                  const Field<double>* source, const Field<double>* pressure, Field<double>* new_pressure,
-                  VectorField* corrected, const VectorField& velocity) {
+FlowMeasure sweep(const FlowBlock& block, const ActiveCells& measured, double factor, const Field<double>* phi,
+                  double viscous_factor, const Field<double>* source, const Field<double>* pressure,
+                  Field<double>* new_pressure, VectorField* corrected, const VectorField& velocity) {
   RowMeasure rows(block);
   const double* __restrict x_over = block.axis[0].inverse_control_width.from_zero();
   for (int k = three && phi ? -1 : 0; k < block.sizes[2]; ++k) {
@@ -118,8 +118,9 @@ FlowMeasure sweep(const FlowBlock& block, double factor, const Field<double>* ph
             for (int i = begin; i < end; ++i) after[i] = before[i] + increment[i] - viscous_factor * div[i];
           }
         }
-        rows.add<three>(begin, end, j, k, velocity);
       });
+      for_each_interval(measured, j, k, 0, block.sizes[0],
+                        [&](int begin, int end) { rows.add<three>(begin, end, j, k, velocity); });
     }
   }
   return rows.result();
@@ -159,24 +160,24 @@ void take_divergence(const FlowBlock& block, const Box& part, double factor, con
       });
 }
 
-FlowMeasure correct(const FlowBlock& block, double factor, const Field<double>& phi, double viscous_factor,
-                    const Field<double>& source, const Field<double>& pressure, Field<double>& new_pressure,
-                    VectorField& velocity) {
+FlowMeasure correct(const FlowBlock& block, const ActiveCells& measured, double factor, const Field<double>& phi,
+                    double viscous_factor, const Field<double>& source, const Field<double>& pressure,
+                    Field<double>& new_pressure, VectorField& velocity) {
   const auto run = block.n_dimensions == 3 ? sweep<true> : sweep<false>;
-  return run(block, factor, &phi, viscous_factor, &source, &pressure, &new_pressure, &velocity, velocity);
+  return run(block, measured, factor, &phi, viscous_factor, &source, &pressure, &new_pressure, &velocity, velocity);
 }
 
-FlowMeasure measure(const FlowBlock& block, const VectorField& velocity) {
+FlowMeasure measure(const FlowBlock& block, const ActiveCells& measured, const VectorField& velocity) {
   const auto run = block.n_dimensions == 3 ? sweep<true> : sweep<false>;
-  return run(block, 0, nullptr, 0, nullptr, nullptr, nullptr, nullptr, velocity);
+  return run(block, measured, 0, nullptr, 0, nullptr, nullptr, nullptr, nullptr, velocity);
 }
 
 FlowMeasure reduce(const FlowMeasure& mine, MPI_Comm communicator) {
-  std::array<double, 3> largest{mine.courant_rate, mine.speed, mine.divergence};
+  std::array<double, 4> largest{mine.courant_rate, mine.speed, mine.divergence, mine.leaving};
   std::array<double, 2> sums{mine.divergence_sum, mine.volume};
-  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 3, MPI_DOUBLE, MPI_MAX, communicator);
+  MPI_Allreduce(MPI_IN_PLACE, largest.data(), 4, MPI_DOUBLE, MPI_MAX, communicator);
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_DOUBLE, MPI_SUM, communicator);
-  return {largest[0], largest[1], largest[2], sums[0], sums[1]};
+  return {largest[0], largest[1], largest[2], sums[0], sums[1], largest[3]};
 }
 
 }  // namespace couplet::flow

@@ -83,6 +83,7 @@ StepPlan plan_steps(TimeScheme scheme, const StepRates& rates, const StepLimits&
   // convection limits, Crank-Nicolson where diffusion would force many steps.
   StepPlan best{TimeScheme::adams_bashforth, n_steps(TimeScheme::adams_bashforth)};
   for (const TimeScheme candidate : {TimeScheme::runge_kutta, TimeScheme::crank_nicolson}) {
+    if (candidate == TimeScheme::crank_nicolson && !rates.allows_implicit) continue;
     const int n = n_steps(candidate);
     if (n * limit_of(candidate).cost < best.n_steps * limit_of(best.scheme).cost) best = {candidate, n};
   }

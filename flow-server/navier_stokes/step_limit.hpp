@@ -8,8 +8,9 @@ namespace couplet::flow {
 
 /// What limits a step.
 struct StepRates {
-  double courant = 0;    // largest sum of |u| / dx [1/s]
-  double diffusion = 0;  // largest eigenvalue of the discrete diffusion [1/s]
+  double courant = 0;           // largest sum of |u| / dx [1/s]
+  double diffusion = 0;         // largest eigenvalue of the discrete diffusion [1/s]
+  bool allows_implicit = true;  // lines of Crank-Nicolson do not end at bodies
 };
 
 struct StepPlan {

@@ -88,7 +88,13 @@ double known_speed(const NavierStokesSetup& setup, double end_time) {
 }
 
 std::vector<NamedNumber> estimate_navier_stokes(const participant::OpenRequest& request) {
-  const NavierStokesSetup setup = make_navier_stokes(request.scene, request.scene_folder).setup;
+  v1::Scene scene = request.scene;
+  auto& bodies = *scene.mutable_flow()->mutable_navier_stokes()->mutable_body();
+  const auto coupled =
+      std::find_if(bodies.begin(), bodies.end(), [](const v1::FlowBody& body) { return body.has_coupled(); });
+  // Before the solid has told its surface.
+  if (!request.peer_surface && coupled != bodies.end()) bodies.erase(coupled);
+  const NavierStokesSetup setup = make_navier_stokes(scene, request.scene_folder, request.peer_surface).setup;
   const double n_cells = static_cast<double>(box_of(setup.grid.n_cells()).n_cells());
   const double n_active = std::round(share_of_fluid(setup) * n_cells);
   double narrowest = setup.grid.axis[0].smallest_width(), inverse_squares = 0;

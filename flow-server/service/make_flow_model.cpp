@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "flow-server/one_dimensional/glottis_model.hpp"
@@ -130,6 +131,17 @@ void refuse_more_ranks_than_one(MPI_Comm ranks) {
                            "start flow-server with one rank");
 }
 
+std::unique_ptr<FlowModel> make_navier_stokes_model(const v1::Scene& scene, const std::filesystem::path& scene_folder,
+                                                    const std::optional<surface::SurfaceMesh>& surface,
+                                                    MPI_Comm ranks) {
+  auto model = std::make_unique<NavierStokesModel>(make_navier_stokes(scene, scene_folder, surface), ranks);
+  int rank = 0;
+  MPI_Comm_rank(ranks, &rank);
+  for (const std::string& note : model->notes())
+    if (rank == 0) std::fprintf(stderr, "flow-server: %s\n", note.c_str());
+  return model;
+}
+
 }  // namespace
 
 std::unique_ptr<FlowModel> make_flow_model(const v1::Scene& scene, const std::filesystem::path& scene_folder,
@@ -142,7 +154,7 @@ std::unique_ptr<FlowModel> make_flow_model(const v1::Scene& scene, const std::fi
       if (ranks == MPI_COMM_NULL)
         throw report::SceneError("flow.navier_stokes", "needs MPI, which this program has not started",
                                  "run it by flow-server");
-      return std::make_unique<NavierStokesModel>(make_navier_stokes(scene, scene_folder), ranks);
+      return make_navier_stokes_model(scene, scene_folder, surface, ranks);
     case v1::Flow::MODEL_NOT_SET:
       break;
   }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "flow-server/service/make_bodies.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/scene/expression.hpp"
 #include "proto/scene/make_time_table.hpp"
@@ -315,9 +316,12 @@ FlowObservation make_observation(const v1::NavierStokes& model, const NavierStok
 
 }  // namespace
 
-NavierStokesOptions make_navier_stokes(const v1::Scene& scene, const std::filesystem::path& scene_folder) {
+NavierStokesOptions make_navier_stokes(const v1::Scene& scene, const std::filesystem::path& scene_folder,
+                                       const std::optional<surface::SurfaceMesh>& solid) {
   const v1::NavierStokes& model = scene.flow().navier_stokes();
-  NavierStokesOptions options{.setup = make_setup(scene.flow()), .shape = {}, .initial_file = {}, .observed = {}};
+  NavierStokesOptions options{make_setup(scene.flow())};
+  options.bodies = make_bodies(model, options.setup.grid, scene.time().step(), scene_folder, solid);
+  options.coupled = coupled_body(model);
   if (model.has_decomposition())
     options.shape = {model.decomposition().x(), model.decomposition().y(), model.decomposition().z()};
   if (model.initial().has_file()) options.initial_file = scene_folder / model.initial().file();

@@ -8,7 +8,9 @@
 
 namespace couplet::flow {
 
-/// Relative paths start at `scene_folder`. Throws SceneError where the scene asks for something that cannot be.
-NavierStokesOptions make_navier_stokes(const v1::Scene& scene, const std::filesystem::path& scene_folder);
+/// Relative paths start at `scene_folder`. `solid`: the wetted surface of the solid, where there is one. Throws
+/// SceneError where the scene asks for something that cannot be.
+NavierStokesOptions make_navier_stokes(const v1::Scene& scene, const std::filesystem::path& scene_folder,
+                                       const std::optional<surface::SurfaceMesh>& solid = {});
 
 }  // namespace couplet::flow

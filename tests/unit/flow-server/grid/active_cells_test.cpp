@@ -34,5 +34,25 @@ TEST(ActiveCells, OfARingAreTwoIntervalsInTheMiddleAndNoneOutside) {
   EXPECT_FALSE(cells.contains(4, 7, 0));
 }
 
+TEST(ActiveCells, OfRowsAreAskedForInOrderAndKeptAsGiven) {
+  std::vector<std::array<int, 2>> asked;
+  const ActiveCells cells =
+      ActiveCells::of_rows({{-1, -1, 2}, {6, 1, 4}}, [&](int j, int k, std::vector<Interval>& intervals) {
+        asked.push_back({j, k});
+        if (j == -1 && k == 2) return;
+        intervals.push_back({-1, 1});
+        if (k == 3) intervals.push_back({j + 3, 6});
+      });
+  const std::vector<std::array<int, 2>> rows{{-1, 2}, {0, 2}, {-1, 3}, {0, 3}};
+  EXPECT_EQ(asked, rows);
+  EXPECT_THAT(cells.row(-1, 2), ElementsAre());
+  EXPECT_THAT(cells.row(0, 2), ElementsAre(Interval{-1, 1}));
+  EXPECT_THAT(cells.row(-1, 3), ElementsAre(Interval{-1, 1}, Interval{2, 6}));
+  EXPECT_THAT(cells.row(0, 3), ElementsAre(Interval{-1, 1}, Interval{3, 6}));
+  EXPECT_EQ(cells.n_cells(), 2 + 2 + 4 + 2 + 3);
+  EXPECT_TRUE(cells.contains(5, 0, 3));
+  EXPECT_FALSE(cells.contains(2, 0, 3));
+}
+
 }  // namespace
 }  // namespace couplet::flow

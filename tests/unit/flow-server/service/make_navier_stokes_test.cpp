@@ -172,5 +172,11 @@ TEST(EstimateFlow, CountsCellsAndLimits) {
   EXPECT_GT(numbers["memory_bytes"], 0);
 }
 
+TEST(MakeNavierStokes, TakesBodies) {
+  const NavierStokesOptions options = made_from("body { name: 'rod' cylinder { radius: 0.1 } }");
+  ASSERT_EQ(options.bodies.size(), 1u);
+  EXPECT_EQ(options.bodies.front().name, "rod");
+}
+
 }  // namespace
 }  // namespace couplet::flow

@@ -1,0 +1,142 @@
+#include "flow-server/immersed/body_surfaces.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "flow-server/immersed/covered_holes.hpp"
+#include "flow-server/immersed/surface_tree.hpp"
+#include "flow-server/immersed/triangle_geometry.hpp"
+#include "proto/report/failure.hpp"
+
+namespace couplet::flow {
+
+namespace {
+
+std::string named(const BodySetup& setup) {
+  return "body '" + setup.name + "'";
+}
+
+double smallest_width_around(const StretchedGrid& grid, const surface::SurfaceMesh& mesh) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < grid.n_dimensions; ++d) {
+    const StretchedAxis& axis = grid.axis[static_cast<std::size_t>(d)];
+    const double low = mesh.node_position.col(d).minCoeff(), high = mesh.node_position.col(d).maxCoeff();
+    for (int i = 0; i < axis.n_cells(); ++i)
+      if ((axis.face(i + 1) >= low || i == axis.n_cells() - 1) && (axis.face(i) <= high || i == 0))
+        smallest = std::min(smallest, axis.width(i));
+  }
+  return smallest;
+}
+
+/// With lengths in the place of those that follow from the grid.
+BodySetup completed(BodySetup setup, const StretchedGrid& grid) {
+  surface::check_surface(setup.mesh, named(setup));
+  if (setup.largest_side <= 0 && setup.mesh.n_nodes() > 0)
+    setup.largest_side = 0.5 * smallest_width_around(grid, setup.mesh);
+  if (setup.attached_length <= 0)
+    for (const AttachedEdges& box : setup.attached)
+      setup.attached_length = std::max(setup.attached_length, 2 * cell_width_at(grid, 0.5 * (box.low + box.high)));
+  return setup;
+}
+
+/// Steps of the flow that are summed arrive at the end of theirs but for round-off: as a share of the whole.
+constexpr double round_off_of_times = 1e-9;
+
+/// The cubic in time with the places and velocities of both ends.
+NodalMotion between(const NodalMotion& start, const NodalMotion& end, double time) {
+  const double length = end.time - start.time, s = std::clamp((time - start.time) / length, 0.0, 1.0), r = 1 - s;
+  if (r < round_off_of_times) return end;
+  if (s < round_off_of_times) return start;
+  NodalMotion motion{time, {}, {}};
+  motion.displacement = (1 + 2 * s) * r * r * start.displacement + s * s * (3 - 2 * s) * end.displacement +
+                        length * s * r * (r * start.velocity - s * end.velocity);
+  motion.velocity = 6 * s * r / length * (end.displacement - start.displacement) + r * (1 - 3 * s) * start.velocity +
+                    s * (3 * s - 2) * end.velocity;
+  return motion;
+}
+
+}  // namespace
+
+BodySurfaces::BodySurfaces(std::vector<BodySetup> bodies, const StretchedGrid& grid) {
+  std::set<std::string> names;
+  for (BodySetup& given : bodies) {
+    if (!names.insert(given.name).second)
+      throw report::SceneError(named(given), "there are two of this name", "give each body its own");
+    if (given.is_closed && given.thickness > 0)
+      throw report::SceneError(named(given), "is closed and has a thickness of " + report::text(given.thickness) + " m",
+                               "call it thin, or leave out the thickness");
+  }
+  // Those first in which others may end.
+  std::vector<std::optional<Body>> made(bodies.size());
+  std::vector<BodySurface> closed;
+  for (const bool is_last : {false, true})
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (bodies[b].closes_covered_holes != is_last) continue;
+      BodySetup setup = completed(std::move(bodies[b]), grid);
+      MovingSurface surface(setup, grid, closed);
+      notes_.insert(notes_.end(), surface.notes().begin(), surface.notes().end());
+      if (setup.is_closed) closed.push_back(surface.surface());
+      made[b] = Body{std::move(setup), std::move(surface), {}, {}};
+    }
+  for (std::optional<Body>& body : made) bodies_.push_back(std::move(*body));
+}
+
+std::vector<BodySurface> BodySurfaces::at(double time) {
+  std::vector<BodySurface> surfaces;
+  for (Body& body : bodies_) {
+    if (body.start) {
+      const NodalMotion motion = body.end ? between(*body.start, *body.end, time) : *body.start;
+      body.surface.follow(body.setup.mesh.node_position + motion.displacement, motion.velocity);
+    } else {
+      body.surface.move_to(time);
+    }
+    surfaces.push_back(body.surface.surface());
+  }
+  return surfaces;
+}
+
+void BodySurfaces::set_start(int index, NodalMotion start) {
+  Body& body = bodies_[static_cast<std::size_t>(index)];
+  const auto n_nodes = body.setup.mesh.n_nodes();
+  if (!body.setup.motion.is_fixed())
+    throw report::SceneError(named(body.setup), "is moved from outside and has a prescribed motion too",
+                             "leave out one of them");
+  const auto fits = [&](const surface::NodeArray& array) { return array.rows() == n_nodes && array.cols() == 3; };
+  if (!fits(start.displacement) || !fits(start.velocity))
+    throw report::SceneError(named(body.setup),
+                             "is given a motion of another number of nodes than its " + std::to_string(n_nodes));
+  body.start = std::move(start);
+  body.end.reset();
+}
+
+void BodySurfaces::set_motion(int index, NodalMotion end) {
+  Body& body = bodies_[static_cast<std::size_t>(index)];
+  const surface::NodeArray at_rest = surface::NodeArray::Zero(body.setup.mesh.n_nodes(), 3);
+  if (!body.start) set_start(index, {0, at_rest, at_rest});
+  if (end.displacement.rows() != at_rest.rows() || end.velocity.rows() != at_rest.rows())
+    throw report::SceneError(named(body.setup), "is given a motion of " + std::to_string(end.displacement.rows()) +
+                                                    " nodes but has " + std::to_string(at_rest.rows()));
+  if (!(end.time > body.start->time))
+    throw report::SceneError(named(body.setup), "is given a motion at t = " + report::text(end.time) +
+                                                    " s, not behind the start of the step at " +
+                                                    report::text(body.start->time) + " s");
+  body.end = std::move(end);
+}
+
+void BodySurfaces::accept_motion() {
+  for (Body& body : bodies_) {
+    if (!body.end) continue;
+    body.start = std::move(body.end);
+    body.end.reset();
+  }
+}
+
+surface::NodeArray BodySurfaces::nodal_force(int index, std::span<const Point> corner_force) const {
+  surface::NodeArray nodal;
+  bodies_[static_cast<std::size_t>(index)].surface.gather({corner_force.begin(), corner_force.end()}, nodal);
+  return nodal;
+}
+
+}  // namespace couplet::flow

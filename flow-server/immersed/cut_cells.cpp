@@ -1,0 +1,378 @@
+#include "flow-server/immersed/cut_cells.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <numeric>
+
+namespace couplet::flow {
+
+namespace {
+
+constexpr int n_edges = 12;
+
+/// Pieces of faces below this share count for nothing.
+constexpr double smallest_share = 1e-13;
+
+/// The edges of a cell: along d at the start or end of d + 1 and of d + 2.
+constexpr int edge_of_cell(int d, int at_next, int at_second) {
+  return 4 * d + at_next + 2 * at_second;
+}
+
+/// An edge of the face normal to d on a side of the cell, as an edge of the cell; edges of a face as in FaceCut.
+constexpr int edge_of_face(int d, int side, int edge) {
+  // Along d + 1: its next direction is d + 2, its second one d; along d + 2: next d, second d + 1.
+  return edge < 2 ? edge_of_cell((d + 1) % 3, edge, side) : edge_of_cell((d + 2) % 3, side, edge - 2);
+}
+
+constexpr int most_segments = n_edges * FaceCut::most_segments;
+
+/// Which of the numbers 0 .. n-1 belong together, n being at most the segments of a cell.
+class Unions {
+ public:
+  explicit Unions(int n) { std::iota(parent_.begin(), parent_.begin() + n, 0); }
+  int root(int a) {
+    while (parent_[static_cast<std::size_t>(a)] != a) {
+      int& parent = parent_[static_cast<std::size_t>(a)];
+      parent = parent_[static_cast<std::size_t>(parent)];
+      a = parent;
+    }
+    return a;
+  }
+  void join(int a, int b) {
+    a = root(a), b = root(b);
+    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+  }
+
+ private:
+  std::array<int, most_segments> parent_;
+};
+
+Triple end_corner(const Triple& cell, int d, int side) {
+  Triple corner = cell;
+  corner[d] += side;
+  return corner;
+}
+
+}  // namespace
+
+CutCells::CutCells(const StretchedGrid& grid, const EdgeCrossings& crossings) : grid_(grid), crossings_(crossings) {
+  const Box& cells = crossings.cells();
+  Triple sizes, before;
+  for (int d = 0; d < 3; ++d) {
+    sizes[d] = std::max(cells.end[d], 1);
+    before[d] = std::max(-cells.begin[d], 0) + 1;
+  }
+  place_ = Field<Place>(sizes, before);
+}
+
+void CutCells::update(std::span<const BodySurface> surfaces) {
+  for (const CutCell& cut : cells_) place(cut.cell) = {};
+  for (const CutFace& face : faces_) place(face.face) = {};
+  cells_.clear(), parts_.clear(), faces_.clear(), pieces_.clear(), walls_.clear();
+  middles_.clear(), middle_crossings_.clear(), further_parts_.clear();
+  n_lone_crossings_ = 0;
+  const Box& looked_at = crossings_.cells();
+  std::vector<std::size_t> cells;  // by their number in the box looked at
+  const auto n_x = static_cast<std::size_t>(looked_at.size(0)), n_y = static_cast<std::size_t>(looked_at.size(1));
+  for (const EdgeCrossings::Edge& edge : crossings_.crossed()) {
+    const int d = edge.direction, e1 = (d + 1) % 3, e2 = (d + 2) % 3;
+    for (int a = -1; a <= 0; ++a)
+      for (int b = -1; b <= 0; ++b) {
+        Triple cell = edge.corner;
+        cell[e1] += a, cell[e2] += b;
+        if (!looked_at.contains(cell)) continue;
+        int& seen = place(cell).cell;
+        if (seen != 0) continue;
+        seen = 1;  // its true place follows
+        cells.push_back((static_cast<std::size_t>(cell[2] - looked_at.begin[2]) * n_y +
+                         static_cast<std::size_t>(cell[1] - looked_at.begin[1])) *
+                            n_x +
+                        static_cast<std::size_t>(cell[0] - looked_at.begin[0]));
+      }
+  }
+  std::sort(cells.begin(), cells.end());
+  for (const std::size_t number : cells)
+    add_cell(
+        {static_cast<int>(number % n_x) + looked_at.begin[0], static_cast<int>(number / n_x % n_y) + looked_at.begin[1],
+         static_cast<int>(number / n_x / n_y) + looked_at.begin[2]},
+        surfaces);
+}
+
+void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surfaces) {
+  const int cell_index = static_cast<int>(cells_.size());
+  CutCell cut;
+  cut.cell = cell;
+  cut.first_part = static_cast<int>(parts_.size());
+  std::array<FaceCut, 6> faces{
+      FaceCut(crossings_, 0, end_corner(cell, 0, 0)), FaceCut(crossings_, 0, end_corner(cell, 0, 1)),
+      FaceCut(crossings_, 1, end_corner(cell, 1, 0)), FaceCut(crossings_, 1, end_corner(cell, 1, 1)),
+      FaceCut(crossings_, 2, end_corner(cell, 2, 0)), FaceCut(crossings_, 2, end_corner(cell, 2, 1))};
+
+  // Parts: segments of the cell's edges that face pieces join.
+  std::array<int, n_edges + 1> first_segment{};
+  std::array<int, n_edges> n_segments{};
+  for (int d = 0; d < 3; ++d)
+    for (int side = 0; side < 2; ++side)
+      for (int edge = 0; edge < 4; ++edge)
+        n_segments[static_cast<std::size_t>(edge_of_face(d, side, edge))] =
+            faces[static_cast<std::size_t>(2 * d + side)].n_segments(edge);
+  for (std::size_t e = 0; e < n_edges; ++e) first_segment[e + 1] = first_segment[e] + n_segments[e];
+  Unions unions(first_segment[n_edges]);
+  for (int d = 0; d < 3; ++d)
+    for (int side = 0; side < 2; ++side) {
+      const FaceCut& face = faces[static_cast<std::size_t>(2 * d + side)];
+      std::array<int, FaceCut::most_chords + 1> first_of_piece;
+      first_of_piece.fill(-1);
+      for (int edge = 0; edge < 4; ++edge)
+        for (int s = 0; s < face.n_segments(edge); ++s) {
+          const int segment = first_segment[static_cast<std::size_t>(edge_of_face(d, side, edge))] + s;
+          int& first = first_of_piece[static_cast<std::size_t>(face.piece_of(edge, s))];
+          if (first < 0) first = segment;
+          unions.join(first, segment);
+        }
+    }
+  std::array<int, most_segments> part_of_root;
+  std::fill_n(part_of_root.begin(), first_segment[n_edges], -1);
+  const auto part_of_segment = [&](int segment) {
+    int& part = part_of_root[static_cast<std::size_t>(unions.root(segment))];
+    if (part < 0) {
+      part = static_cast<int>(parts_.size());
+      parts_.push_back({.cell = cell_index});
+    }
+    return part;
+  };
+  std::array<std::array<int, FaceCut::most_chords + 1>, 6> part_of_piece{};
+  for (int d = 0; d < 3; ++d)
+    for (int side = 0; side < 2; ++side) {
+      const FaceCut& face = faces[static_cast<std::size_t>(2 * d + side)];
+      for (int edge = 0; edge < 4; ++edge)
+        for (int s = 0; s < face.n_segments(edge); ++s)
+          part_of_piece[static_cast<std::size_t>(2 * d + side)][static_cast<std::size_t>(face.piece_of(edge, s))] =
+              part_of_segment(first_segment[static_cast<std::size_t>(edge_of_face(d, side, edge))] + s);
+    }
+  cut.n_parts = static_cast<int>(parts_.size()) - cut.first_part;
+
+  // What is inside closed bodies: behind their chords, and where a corner is.
+  for (std::size_t f = 0; f < 6; ++f)
+    for (int c = 0; c < faces[f].n_chords(); ++c) {
+      const Chord& chord = faces[f].chord(c);
+      if (!surfaces[static_cast<std::size_t>(chord.surface())].is_closed) continue;
+      parts_[static_cast<std::size_t>(part_of_piece[f][static_cast<std::size_t>(chord.inner_piece)])].is_fluid = false;
+    }
+  for (int d = 0; d < 1; ++d)  // the four edges along x hold all corners
+    for (int b1 = 0; b1 < 2; ++b1)
+      for (int b2 = 0; b2 < 2; ++b2)
+        for (int end = 0; end < 2; ++end) {
+          if (!crossings_.is_inside({cell[0] + end, cell[1] + b1, cell[2] + b2})) continue;
+          const auto edge = static_cast<std::size_t>(edge_of_cell(0, b1, b2));
+          const int segment = first_segment[edge] + (end == 0 ? 0 : n_segments[edge] - 1);
+          parts_[static_cast<std::size_t>(part_of_segment(segment))].is_fluid = false;
+        }
+
+  // Faces: made by the first cell that comes, completed by the second.
+  for (int d = 0; d < 3; ++d) {
+    if (d == 2 && grid_.n_dimensions == 2) continue;
+    const double area =
+        (crossings_.position((d + 1) % 3, cell[(d + 1) % 3] + 1) -
+         crossings_.position((d + 1) % 3, cell[(d + 1) % 3])) *
+        (crossings_.position((d + 2) % 3, cell[(d + 2) % 3] + 1) - crossings_.position((d + 2) % 3, cell[(d + 2) % 3]));
+    for (int side = 0; side < 2; ++side) {
+      const FaceCut& given = faces[static_cast<std::size_t>(2 * d + side)];
+      const auto& part = part_of_piece[static_cast<std::size_t>(2 * d + side)];
+      const Triple at = end_corner(cell, d, side - 1);
+      int& face_place = place(at).face[static_cast<std::size_t>(d)];
+      if (face_place == 0) {
+        CutFace face{.direction = d, .face = at};
+        face.first_piece = static_cast<int>(pieces_.size());
+        face.n_pieces = given.n_pieces();
+        face.centre_piece = face.first_piece + given.centre_piece();
+        for (int p = 0; p < given.n_pieces(); ++p) {
+          FacePiece piece{.share = given.share(p)};
+          for (int t = 0; t < 2; ++t) {
+            const int e = (d + 1 + t) % 3;
+            piece.offset[static_cast<std::size_t>(t)] =
+                (given.centroid(p)[t] - 0.5) * (crossings_.position(e, cell[e] + 1) - crossings_.position(e, cell[e]));
+          }
+          pieces_.push_back(piece);
+        }
+        // Towards the middle of the face: the chord that parts both sides there, or the last one before it.
+        for (int c = 0; c < given.n_chords(); ++c) {
+          const Chord& chord = given.chord(c);
+          for (const bool is_outer : {true, false}) {
+            const int index = is_outer ? chord.outer_piece : chord.inner_piece;
+            FacePiece& piece = pieces_[static_cast<std::size_t>(face.first_piece + index)];
+            const bool faces_centre = (is_outer ? chord.inner_piece : chord.outer_piece) == given.centre_piece();
+            if (index == given.centre_piece() || (piece.surface >= 0 && !faces_centre)) continue;
+            piece.surface = chord.surface();
+            piece.is_outer = is_outer;
+            piece.opening = chord.opening();
+          }
+        }
+        faces_.push_back(face);
+        face_place = static_cast<int>(faces_.size());
+        n_lone_crossings_ += given.has_lone_crossing() ? 1 : 0;
+      }
+      const CutFace& face = faces_[static_cast<std::size_t>(face_place - 1)];
+      for (int p = 0; p < face.n_pieces; ++p) {
+        FacePiece& piece = pieces_[static_cast<std::size_t>(face.first_piece + p)];
+        const int own = part[static_cast<std::size_t>(p)];
+        (side == 0 ? piece.upper_part : piece.lower_part) = own;
+        if (piece.share > smallest_share) parts_[static_cast<std::size_t>(own)].open_area += piece.share * area;
+      }
+      cut.part_at_face[static_cast<std::size_t>(d)][static_cast<std::size_t>(side)] =
+          part[static_cast<std::size_t>(given.centre_piece())];
+    }
+  }
+  add_walls(cut, faces, part_of_piece);
+
+  // The largest part takes the cell's place in the fields: where one flat wall cuts the cell, the one with its middle.
+  double largest = 0;
+  for (int p = cut.first_part; p < cut.first_part + cut.n_parts; ++p) {
+    const CellPart& part = parts_[static_cast<std::size_t>(p)];
+    if (part.is_fluid && part.open_area > largest) largest = part.open_area, cut.main_part = p;
+  }
+  for (int p = cut.first_part; p < cut.first_part + cut.n_parts; ++p) {
+    CellPart& part = parts_[static_cast<std::size_t>(p)];
+    if (p == cut.main_part || !part.is_fluid || part.open_area <= 0) continue;
+    part.further_piece = static_cast<int>(further_parts_.size());
+    further_parts_.push_back(p);
+  }
+  cells_.push_back(cut);
+  place(cell).cell = static_cast<int>(cells_.size());
+}
+
+void CutCells::add_walls(CutCell& cut, const std::array<FaceCut, 6>& faces,
+                         const std::array<std::array<int, FaceCut::most_chords + 1>, 6>& part_of_piece) {
+  cut.first_wall = static_cast<int>(walls_.size());
+  struct Middle {
+    int surface;
+    Eigen::Vector3d position, velocity;
+    double opening;
+    int n;
+  };
+  std::array<Middle, 6 * FaceCut::most_chords> middles;
+  std::size_t n_middles = 0;
+  const auto middle_of = [&](int surface) -> Middle& {
+    std::size_t m = 0;
+    while (m < n_middles && middles[m].surface != surface) ++m;
+    if (m == n_middles) middles[n_middles++] = {surface, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0, 0};
+    return middles[m];
+  };
+  // Each crossing is an end of two chords, on both faces beside its edge: the mean over the ends is that over
+  // crossings.
+  for (const FaceCut& face : faces)
+    for (int c = 0; c < face.n_chords(); ++c) {
+      const Chord& chord = face.chord(c);
+      Middle& middle = middle_of(chord.surface());
+      for (const bool is_from : {true, false}) {
+        const EdgeCrossing& crossing = is_from ? *chord.from : *chord.to;
+        middle.position += is_from ? chord.from_position : chord.to_position;
+        middle.velocity += crossing.velocity;
+        middle.opening += crossing.opening;
+        ++middle.n;
+      }
+    }
+  const int first_middle = static_cast<int>(middles_.size());
+  for (std::size_t m = 0; m < n_middles; ++m) {
+    Middle& middle = middles[m];
+    middle.position /= middle.n, middle.velocity /= middle.n, middle.opening /= middle.n;
+    middles_.push_back({static_cast<int>(middle_crossings_.size()), middle.n});
+    for (const FaceCut& face : faces)
+      for (int c = 0; c < face.n_chords(); ++c)
+        if (face.chord(c).surface() == middle.surface)
+          middle_crossings_.insert(middle_crossings_.end(), {face.chord(c).from, face.chord(c).to});
+  }
+  for (std::size_t f = 0; f < 6; ++f)
+    for (int c = 0; c < faces[f].n_chords(); ++c) {
+      const Chord& chord = faces[f].chord(c);
+      const Middle& middle = middle_of(chord.surface());
+      WallTriangle wall;
+      wall.surface = chord.surface();
+      wall.outer_part = part_of_piece[f][static_cast<std::size_t>(chord.outer_piece)];
+      wall.inner_part = part_of_piece[f][static_cast<std::size_t>(chord.inner_piece)];
+      wall.end = {chord.from, chord.to};
+      wall.middle = first_middle + static_cast<int>(&middle - middles.data());
+      // The outer piece runs counterclockwise from `from` to `to`; seen from outside the cell that is so on the faces
+      // at the ends of the cell, and the other way around on those at its start.
+      const Eigen::Vector3d a = chord.from_position - middle.position, b = chord.to_position - middle.position;
+      wall.area = (f % 2 == 1 ? 0.5 : -0.5) * b.cross(a);
+      wall.centroid = middle.position + (a + b) / 3;
+      wall.velocity = (chord.from->velocity + chord.to->velocity + middle.velocity) / 3;
+      wall.opening = (chord.from->opening + chord.to->opening + middle.opening) / 3;
+      walls_.push_back(wall);
+    }
+  cut.n_walls = static_cast<int>(walls_.size()) - cut.first_wall;
+}
+
+int CutCells::find(const Triple& cell) const {
+  if (!crossings_.cells().contains(cell)) return -1;
+  return place(cell).cell - 1;
+}
+
+int CutCells::find_face(int d, const Triple& face) const {
+  const Box& cells = crossings_.cells();
+  for (int e = 0; e < 3; ++e)
+    if (face[e] < cells.begin[e] - (e == d ? 1 : 0) || face[e] >= cells.end[e]) return -1;
+  return place(face).face[static_cast<std::size_t>(d)] - 1;
+}
+
+ActiveCells CutCells::whole(const ActiveCells& cells) const {
+  std::size_t next = 0;  // of cells_, in the same order as rows
+  const auto is_before = [](const Triple& cell, int j, int k) { return cell[2] < k || (cell[2] == k && cell[1] < j); };
+  return ActiveCells::of_rows(cells.range(), [&](int j, int k, std::vector<Interval>& intervals) {
+    std::vector<Interval> holes(crossings_.inside(j, k).begin(), crossings_.inside(j, k).end());
+    while (next < cells_.size() && is_before(cells_[next].cell, j, k)) ++next;
+    for (; next < cells_.size() && cells_[next].cell[1] == j && cells_[next].cell[2] == k; ++next)
+      holes.push_back({cells_[next].cell[0], cells_[next].cell[0] + 1});
+    std::sort(holes.begin(), holes.end(), [](const Interval& a, const Interval& b) { return a.begin < b.begin; });
+    for (const Interval& row : cells.row(j, k)) {
+      int begin = row.begin;
+      for (const Interval& hole : holes) {
+        if (std::min(hole.begin, row.end) > begin) intervals.push_back({begin, std::min(hole.begin, row.end)});
+        begin = std::max(begin, hole.end);
+      }
+      if (begin < row.end) intervals.push_back({begin, row.end});
+    }
+  });
+}
+
+bool CutCells::is_solid(const Triple& cell) const {
+  const int index = find(cell);
+  if (index >= 0) return cells_[static_cast<std::size_t>(index)].main_part < 0;
+  return crossings_.cells().contains(cell) && crossings_.is_inside(cell);
+}
+
+bool CutCells::is_face_solid(int d, const Triple& face) const {
+  const int index = find_face(d, face);
+  if (index >= 0) {
+    const FacePiece& piece = pieces_[static_cast<std::size_t>(faces_[static_cast<std::size_t>(index)].centre_piece)];
+    const int part = piece.lower_part >= 0 ? piece.lower_part : piece.upper_part;
+    return !parts_[static_cast<std::size_t>(part)].is_fluid;
+  }
+  Triple next = face;
+  ++next[d];
+  return (crossings_.cells().contains(face) && crossings_.is_inside(face)) ||
+         (crossings_.cells().contains(next) && crossings_.is_inside(next));
+}
+
+int CutCells::part_at(const Triple& cell, int d, const Triple& face) const {
+  const int index = find(cell);
+  if (index < 0) return -1;
+  return cells_[static_cast<std::size_t>(index)].part_at_face[static_cast<std::size_t>(d)][face[d] == cell[d] ? 1 : 0];
+}
+
+double CutCells::opening_between(int part, int other) const {
+  if (part == other) return 1;
+  const CutCell& cut = cells_[static_cast<std::size_t>(parts_[static_cast<std::size_t>(part)].cell)];
+  double area = 0, open = 0;
+  for (int w = cut.first_wall; w < cut.first_wall + cut.n_walls; ++w) {
+    const WallTriangle& wall = walls_[static_cast<std::size_t>(w)];
+    if ((wall.outer_part != part || wall.inner_part != other) && (wall.outer_part != other || wall.inner_part != part))
+      continue;
+    area += wall.area.norm();
+    open += wall.area.norm() * wall.opening;
+  }
+  return area > 0 ? open / area : 0;
+}
+
+}  // namespace couplet::flow

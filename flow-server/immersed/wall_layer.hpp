@@ -1,0 +1,175 @@
+#pragma once
+// The velocities beside walls: which are given by the wall, how, and what is seen through it.
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "flow-server/immersed/line_of_sight.hpp"
+#include "flow-server/immersed/surface_tree.hpp"
+#include "flow-server/momentum/flow_block.hpp"
+
+namespace couplet::flow {
+
+/// A velocity component at a place near a wall, on the line through the wall's nearest point and an image point in the
+/// fluid:
+///     u = U_wall + ratio (u_image - U_wall),  u_image = sum of weight u + (1 - sum of weight) U_wall
+/// with the weights of trilinear interpolation between the eight faces around the image point. Faces that lie on the
+/// other side of a wall have no weight: where the fluid is too narrow for an image the value becomes that of the wall.
+struct WallValue {
+  int component = 0;
+  Triple face;
+  double wall_velocity = 0;  // [m/s]
+  double ratio = 0;          // distances from the wall, this place over image point; negative behind the wall
+  Triple base{};             // of the eight faces: those beside it in rising order, x fastest
+  std::array<double, 8> weight{};
+};
+
+/// A face in the fluid so near to a wall that it is not, or not only, left to the equations: hybrid [Luo et al.,
+/// Comput. Fluids 56 (2012) 61]. Its velocity is (1 - share) of what they say and `share` of the wall value.
+struct ForcedFace {
+  WallValue value;
+  double share = 0;   // 1 at the wall, 0 from the blend's width on
+  double closed = 1;  // share of the surface that is closed: less than 1 at a smooth free edge; a factor in `share`
+  double room = 1;    // sum of the image's weights, 1 at most: less where another wall is near; a factor in `share` too
+  int surface = 0;
+  bool is_outer = false;
+};
+
+/// The mean velocity of a piece of a face differs from that at the face's middle by the slope towards neighbouring
+/// faces times the distance of the piece's middle: sum of weight (u_neighbour - u_own).
+struct PieceShift {
+  int piece = 0;  // index in CutCells::pieces()
+  int component = 0;
+  Triple face;
+  int ghost = -1;  // whose velocity is the own one; -1: that of the face
+  int n_neighbours = 0;
+  std::array<Triple, 2> neighbour;
+  std::array<double, 2> weight{};
+};
+
+/// A face beside a wall whose neighbours are partly behind it. Entries: the neighbours of the same component before and
+/// after it along x, y, z; then, for each other component in turn, its faces at the start and the end of the cell
+/// before the face, and of the cell behind it.
+struct CutRow {
+  static constexpr int n_entries = 14;
+  struct Seen {
+    double blocked = 0;  // share of the ghost in what is seen there
+    int ghost = -1;      // index in WallLayer::ghosts()
+  };
+  int component = 0;
+  Triple face;
+  std::array<Seen, n_entries> seen;
+};
+
+struct WallLayerSettings {
+  double blend_of_closed = 0.25;  // width over which the equations take over, in cells
+  double blend_of_sheets = 1;
+  double image_distance = 1.5;  // in cells
+};
+
+class WallLayer {
+ public:
+  /// All must outlive this. `margin`: faces that many cells beyond the block are looked at as well.
+  WallLayer(const FlowBlock& block, const CutCells& cut, const WallLayerSettings& settings);
+
+  /// `trees`: one of each surface.
+  void update(std::span<const BodySurface> surfaces, std::span<const SurfaceTree> trees);
+
+  const std::vector<ForcedFace>& forced() const { return forced_; }  // of this rank
+  /// Index of a face among the forced ones of this rank, -1 for the others.
+  int find_forced(int component, const Triple& face) const;
+  bool is_inside_body(int component, const Triple& face) const;
+  const std::vector<WallValue>& ghosts() const { return ghosts_; }
+  const std::vector<CutRow>& rows() const { return rows_; }  // of this rank
+  /// Faces of this rank inside closed bodies, next to their walls, with the wall's velocity in `wall_velocity`.
+  const std::vector<WallValue>& solid() const { return solid_; }
+
+  /// (n_pieces of CutCells) the ghost that stands for the velocity of a piece of a face without the face's middle; -1
+  /// for others, and for faces that this rank does not need.
+  int ghost_of_piece(int piece) const { return ghost_of_piece_[static_cast<std::size_t>(piece)]; }
+  /// Of pieces of faces of this rank's cells.
+  const std::vector<PieceShift>& shifts() const { return shifts_; }
+  static double value_of(const WallValue& value, const Field<double>& velocity);
+
+  /// Interpolation of a component at any point on the side of a wall from which `from` is seen.
+  const LineOfSight& sight() const { return sight_; }
+  /// Faces of cut cells and of the cells beside them, as far as their velocities are known to this rank.
+  const std::vector<Triple>& near_faces(int component) const { return near_faces_[component]; }
+  bool is_near(int component, const Triple& face) const { return entry(component, face).marks != 0; }
+  double spacing(const Triple& cell, const Eigen::Vector3d& direction) const;
+  bool is_known(int component, const Triple& face) const;
+  /// Base and weights of a component at any point, from faces that are seen from `from`, which need not be near.
+  void set_image(WallValue& value, const Eigen::Vector3d& image, const Triple& from) const;
+
+ private:
+  struct Key {
+    int component;
+    Triple face;
+    int direction;
+    friend bool operator==(const Key&, const Key&) = default;
+  };
+  struct KeyHash {
+    std::size_t operator()(const Key& key) const;
+  };
+  /// What is known of a face, side by side in memory.
+  struct FaceEntry {
+    int forced = 0;      // in forced_, counted from 1
+    int last_ghost = 0;  // the last ghost made of it, in ghosts_, counted from 1
+    /// Bits of a face near a wall: 1, 2, 4: blocked, wholly or partly, towards the next one along x, y, z; 8: inside a
+    /// body; 16: near.
+    std::uint8_t marks = 0;
+  };
+  FaceEntry& entry(int component, const Triple& face) { return entry_[component](face[0], face[1], face[2]); }
+  const FaceEntry& entry(int component, const Triple& face) const {
+    return entry_[component](face[0], face[1], face[2]);
+  }
+  /// Around a surface.
+  struct Bounds {
+    Eigen::Array3d low, high;
+  };
+  /// Through which side of which surface a ghost is seen, and the one made of the same face before, counted from 1.
+  struct GhostSide {
+    int surface;
+    bool is_outer;
+    int before;
+  };
+  /// The ghost of a face as it is seen from that side of a surface; made when it is asked for the first time.
+  int ghost(int component, const Triple& face, int surface, bool is_outer);
+  void collect_faces();
+  void add_pieces();
+  void add_shift(const CutFace& face, int piece);
+  void find_links(int component, const Triple& face);
+  void add_face(int component, const Triple& face);
+  void add_row(int component, const Triple& face);
+  ClosestPoint closest_of_all(const Eigen::Vector3d& point, double largest_distance, double largest_of_closed);
+  ClosestPoint closest_on(int surface, const Eigen::Vector3d& point, double largest_distance);
+  bool is_free(int component, const Triple& face, int e, int step) const;
+  bool is_beyond_border(int component, const Triple& face) const;
+  void weigh_seen_faces(WallValue& value, const Eigen::Vector3d& place, const Triple& from, int detour) const;
+  double openness(int component, const Triple& face, int e, int step) const;
+  Eigen::Vector3d position(int component, const Triple& face) const;
+
+  const FlowBlock& block_;
+  const CutCells& cut_;
+  LineOfSight sight_;
+  WallLayerSettings settings_;
+  std::span<const BodySurface> surfaces_;
+  std::span<const SurfaceTree> trees_;
+  std::array<Box, 3> known_;                            // faces of each component that neighbours and borders fill in
+  std::array<std::vector<Triple>, 3> near_faces_;       // of each component, near cut cells
+  std::array<Field<FaceEntry>, 3> entry_;               // of each face of each component
+  std::unordered_map<Key, double, KeyHash> half_open_;  // of links through a smooth free edge
+  std::vector<ForcedFace> forced_;
+  std::vector<WallValue> ghosts_, solid_;
+  std::vector<CutRow> rows_;
+  std::vector<GhostSide> ghost_side_;  // of each ghost
+  std::vector<Bounds> bounds_;         // of each surface
+  std::vector<int> hint_;              // of each surface's tree: from the query before
+  std::vector<int> ghost_of_piece_;
+  std::vector<PieceShift> shifts_;
+};
+
+}  // namespace couplet::flow

@@ -1,0 +1,127 @@
+#include "flow-server/immersed/wall_layer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numeric>
+
+#include "tests/unit/flow-server/immersed/placed_bodies.hpp"
+#include "tests/unit/flow-server/immersed/test_surfaces.hpp"
+
+namespace couplet::flow {
+namespace {
+
+constexpr int n = 12;
+constexpr double h = 1.0 / n;
+const Eigen::Vector3d normal = Eigen::Vector3d(1, 0.4, 0.3).normalized();
+constexpr double offset = 0.713;  // of the plane normal . x = offset
+
+/// A sheet right across the box, with its outer side where normal . x is larger.
+BodySurface plane(const Point& velocity, double at = offset) {
+  const Eigen::Vector3d a = normal.cross(Eigen::Vector3d::UnitX()).normalized(), b = normal.cross(a);
+  const Eigen::Vector3d corner = at * normal - 4 * a - 4 * b;
+  BodySurface sheet =
+      flat_sheet({corner[0], corner[1], corner[2]}, {8 * a[0], 8 * a[1], 8 * a[2]}, {8 * b[0], 8 * b[1], 8 * b[2]}, 5);
+  std::fill(sheet.velocity.begin(), sheet.velocity.end(), velocity);
+  return sheet;
+}
+
+double height(const Point& p) {
+  return normal.dot(Eigen::Vector3d(p[0], p[1], p[2])) - offset;
+}
+
+double sum_of(const WallValue& value) {
+  return std::accumulate(value.weight.begin(), value.weight.end(), 0.0);
+}
+
+class BesideAPlane : public testing::TestWithParam<Point> {};  // the velocity of the wall
+
+TEST_P(BesideAPlane, ValuesOfALinearVelocityAreExact) {
+  const Point wall = GetParam();
+  PlacedBodies placed(uniform_box({n, n, n}, h), {plane(wall)});
+  const auto linear = [&](const Point& p, int c) { return wall[static_cast<std::size_t>(c)] + (c + 1.5) * height(p); };
+  placed.set_velocity(linear);
+  const WallLayer& layer = placed.bodies->layer();
+  ASSERT_FALSE(layer.forced().empty());
+  ASSERT_FALSE(layer.ghosts().empty());
+  EXPECT_TRUE(layer.solid().empty());
+  int n_inner = 0;
+  for (const ForcedFace& forced : layer.forced()) {
+    const WallValue& value = forced.value;
+    const Point at = centre_of_face(placed.block, value.component, value.face);
+    const double away = height(at);
+    if (sum_of(value) > 1 - 1e-14) {  // trilinear weights reproduce linear velocities: round-off of nine terms
+      EXPECT_NEAR(WallLayer::value_of(value, placed.velocity[value.component]), linear(at, value.component), 1e-13);
+    }
+    EXPECT_EQ(forced.is_outer, away > 0);
+    EXPECT_EQ(forced.closed, 1);
+    EXPECT_LE(sum_of(value), 1 + 1e-14);
+    bool is_inner = true;  // the image does not lie beyond the known faces
+    for (std::size_t d = 0; d < 3; ++d) is_inner = is_inner && at[d] > 2.6 * h && at[d] < 1 - 2.6 * h;
+    if (!is_inner) continue;
+    ++n_inner;
+    EXPECT_NEAR(sum_of(value), 1, 1e-14);
+    EXPECT_EQ(forced.room, 1);
+    // Falls linearly over one cell, measured along the normal; cells are cubes.
+    EXPECT_NEAR(forced.share, 1 - std::abs(away) / h, 1e-12);
+  }
+  EXPECT_GT(n_inner, 50);
+  std::size_t n_whole_ghosts = 0;
+  for (const WallValue& ghost : layer.ghosts()) {
+    const Point at = centre_of_face(placed.block, ghost.component, ghost.face);
+    if (sum_of(ghost) < 1 - 1e-14) continue;
+    ++n_whole_ghosts;
+    // A ghost goes on with the velocity of the side from which it is seen, through the wall's at the wall.
+    EXPECT_NEAR(WallLayer::value_of(ghost, placed.velocity[ghost.component]), linear(at, ghost.component), 1e-13);
+    if (std::abs(height(at)) > 1e-3 * h) {
+      EXPECT_NEAR(std::abs(ghost.ratio), std::abs(height(at)) / (1.5 * h), 1e-12);
+    }
+  }
+  EXPECT_GT(n_whole_ghosts, layer.ghosts().size() / 2);  // beside the border of the box some see too little
+}
+
+INSTANTIATE_TEST_SUITE_P(Walls, BesideAPlane, testing::Values(Point{0, 0, 0}, Point{0.7, -0.3, 1.1}));
+
+TEST(WallLayer, AGapOfOneCellGivesNoImageAcross) {
+  // Two parallel sheets, a cell apart; beyond them the velocity is far from any that there is in the gap.
+  PlacedBodies placed(uniform_box({n, n, n}, h), {plane({0, 0, 0}), plane({0, 0, 0}, offset + h)});
+  placed.set_velocity([](const Point& p, int) { return height(p) < 0 || height(p) > h ? 1e6 : 1; });
+  int n_in_gap = 0;
+  for (const ForcedFace& forced : placed.bodies->layer().forced()) {
+    const WallValue& value = forced.value;
+    const Point at = centre_of_face(placed.block, value.component, value.face);
+    const double away = height(at);
+    if (away < 1e-6 || away > h - 1e-6) continue;
+    bool is_inner = true;  // away from the border of the box
+    for (std::size_t d = 0; d < 3; ++d) is_inner = is_inner && at[d] > 2.6 * h && at[d] < 1 - 2.6 * h;
+    if (!is_inner) continue;
+    ++n_in_gap;
+    EXPECT_LE(std::abs(WallLayer::value_of(value, placed.velocity[value.component])), 1 + 1e-12);
+    EXPECT_LT(forced.room, 1);
+    EXPECT_LE(forced.share, 1 - std::min(away, h - away) / h + 1e-12);
+  }
+  EXPECT_GT(n_in_gap, 50);
+}
+
+TEST(WallLayer, FacesInsideABodyHaveItsVelocity) {
+  BodySurface ball = sphere_surface({0.511, 0.493, 0.504}, 0.3, 4);
+  for (std::size_t c = 0; c < ball.position.size(); ++c)
+    ball.velocity[c] = {-ball.position[c][1], ball.position[c][0], 0.5};  // it turns, and moves along its axis
+  const PlacedBodies placed(uniform_box({n, n, n}, h), {ball});
+  const WallLayer& layer = placed.bodies->layer();
+  ASSERT_GT(layer.solid().size(), 100u);
+  for (const WallValue& solid : layer.solid()) {
+    EXPECT_TRUE(placed.bodies->cut().is_face_solid(solid.component, solid.face));
+    EXPECT_LT(layer.find_forced(solid.component, solid.face), 0);
+    if (solid.component == 2) {
+      EXPECT_NEAR(solid.wall_velocity, 0.5, 1e-14);
+    }
+  }
+  for (const ForcedFace& forced : layer.forced()) {
+    EXPECT_FALSE(layer.is_inside_body(forced.value.component, forced.value.face));
+    EXPECT_TRUE(forced.is_outer);
+  }
+}
+
+}  // namespace
+}  // namespace couplet::flow
