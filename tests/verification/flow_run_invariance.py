@@ -51,6 +51,41 @@ flow {
 output { results_interval: 0.1  checkpoints { every_steps: 10 } }
 """
 
+BODIES = """
+title: "a cylinder that swings and a plate that turns in a stream"
+time { end: 0.4  step: 0.02 }
+flow {
+  fluid { density: 1.2  viscosity: 0.01 }
+  navier_stokes {
+    grid {
+      x { uniform { start: 0 end: 3 cells: 72 } }
+      y { uniform { start: -1 end: 1 cells: 48 } }
+    }
+    border {
+      x_start { velocity { expression { x: "(1-y^2)*(1+0.3*sin(10*t))" } } }
+      x_end { convective_outflow { } }
+    }
+    initial { velocity { x: "1-y^2" } }
+    pressure { relative_tolerance: 1e-8  divergence_tolerance: 1e-12 }
+    body {
+      name: "cylinder"
+      cylinder { centre { x: 0.8  y: 0.1 }  radius: 0.21 }
+      joint { translation { x { expression: "0.1*sin(8*t)" }  y { expression: "0.2*sin(6*t)" } } }
+    }
+    body {
+      name: "plate"
+      sheet { point { x: 1.9  y: -0.3 }  point { x: 1.9  y: 0.35 } }
+      joint { rotation { through { x: 1.9 }  angle { expression: "40*sin(9*t)" } } }
+    }
+    integral_quantities: true
+    plane { name: "wake" normal: X position: 2.5 }
+    probe { name: "behind" at { x: 1.5 y: 0.2 } }
+    field { quantity: [VELOCITY, PRESSURE] precision: DOUBLE }
+  }
+}
+output { results_interval: 0.1  checkpoints { every_steps: 10 } }
+"""
+
 
 def allowed(name):
     # A root of the gradient's invariants: where it is nearly 0, differences grow as roots do.
@@ -58,14 +93,18 @@ def allowed(name):
 
 
 class FlowCase(unittest.TestCase):
+    SCENE = DUCT
+
     def setUp(self):
         self.temporary = tempfile.TemporaryDirectory(prefix="couplet flow ")
         self.folder = Path(self.temporary.name)
         self.addCleanup(self.temporary.cleanup)
-        (self.folder / "scene.txtpb").write_text(DUCT)
+        (self.folder / "scene.txtpb").write_text(self.SCENE)
 
 
-class RunTest(FlowCase):
+class RunCase(FlowCase):
+    BLOCKS = ()  # number of ranks, blocks
+
     def run_flow(self, name, *options):
         out = self.folder / name
         done = subprocess.run([COUPLET, "run", str(self.folder / "scene.txtpb"), "--out", str(out), "--quiet", "--no-report",
@@ -88,7 +127,7 @@ class RunTest(FlowCase):
         for column, name in enumerate(names):
             if name.startswith("behind."):
                 scale[column] = max(scale[column], 1)
-        for n, blocks in ((2, "{x: 2}"), (4, "{x: 2 z: 2}"), (4, "{y: 4}")):
+        for n, blocks in self.BLOCKS:
             with self.subTest(ranks=n, blocks=blocks):
                 out = self.run_flow(f"{n}{blocks[1]}", "--flow-ranks", str(n), "--set", f"flow.navier_stokes.decomposition={blocks}")
                 found = self.history(out)[1]
@@ -108,17 +147,22 @@ class RunTest(FlowCase):
                 self.assertLessEqual(numpy.abs(a[f"{last}/{name}"][()] - b[f"{last}/{name}"][()]).max(), allowed(name) * scale, name)
 
     def test_an_interrupted_run_continues_with_equal_bits(self):
-        for n in ("1", "2"):
+        for n, blocks in ((1, "{ }"), self.BLOCKS[0]):
             with self.subTest(ranks=n):
-                whole = self.run_flow(f"whole{n}", "--flow-ranks", n)
-                self.run_flow(f"parts{n}", "--flow-ranks", n, "--steps", "10")
-                resumed = self.run_flow(f"parts{n}", "--flow-ranks", n, "--resume", str(self.folder / f"parts{n}"))
+                ranks = ("--flow-ranks", str(n), "--set", f"flow.navier_stokes.decomposition={blocks}")
+                whole = self.run_flow(f"whole{n}", *ranks)
+                self.run_flow(f"parts{n}", *ranks, "--steps", "10")
+                resumed = self.run_flow(f"parts{n}", *ranks, "--resume", str(self.folder / f"parts{n}"))
                 self.assertEqual((resumed / "history.csv").read_text(), (whole / "history.csv").read_text())
                 with h5py.File(whole / "results" / "flow.h5") as a, h5py.File(resumed / "results" / "flow.h5") as b:
                     self.assertEqual(list(a["state"]), list(b["state"]))
                     for state in a["state"]:
                         for name in a[f"state/{state}/flow"]:
                             self.assertTrue((a[f"state/{state}/flow/{name}"][()] == b[f"state/{state}/flow/{name}"][()]).all())
+
+
+class DuctTest(RunCase):
+    BLOCKS = ((2, "{x: 2}"), (4, "{x: 2 z: 2}"), (4, "{y: 4}"))
 
     def test_the_server_runs_without_mpirun(self):
         out = self.folder / "by hand"
@@ -127,6 +171,16 @@ class RunTest(FlowCase):
         names, rows = self.history(out)
         self.assertEqual(len(rows), 5)
         self.assertLess(rows[-1, names.index("flow.divergence")], 1e-2)
+
+
+class BodiesTest(RunCase):
+    """Blocks that part the bodies."""
+
+    SCENE = BODIES
+    BLOCKS = ((2, "{y: 2}"), (4, "{x: 4}"))
+
+
+del RunCase  # has no scene of its own
 
 
 class ServedTest(FlowCase):

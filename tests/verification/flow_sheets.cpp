@@ -1,0 +1,221 @@
+// Thin sheets in the flow: tightness, smoothness of the force, free edges, gaps.
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/flow-server/immersed/test_surfaces.hpp"
+#include "tests/verification/moving_bodies.hpp"
+
+namespace couplet::flow {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double degree = pi / 180;
+
+/// A flat sheet right across a channel of 3 x 1 that moves along it by 20 cells to and fro, slides along itself and may
+/// turn.
+struct Spanning {
+  double angle = 0, slide = 0, turn = 0;  // [rad], [m/s], [rad]
+  int n = 20;
+};
+
+NavierStokesSetup spanning_sheet(const Spanning& sheet) {
+  const double h = 1.0 / sheet.n, amplitude = 0.5;
+  NavierStokesSetup setup =
+      setup_on(box_grid({uniform_faces(0, 3, 3 * sheet.n), uniform_faces(0, 1, sheet.n), {0, h}}, {}, 2),
+               TimeScheme::adams_bashforth);
+  setup.viscosity = 0.01;
+  const auto speed = [=](double t) { return 2 * amplitude * std::sin(2 * t); };
+  setup.bodies = [=](double t) {
+    const double angle = sheet.angle + sheet.turn * std::sin(2 * t), rate = 2 * sheet.turn * std::cos(2 * t);
+    const double x0 = 1 + amplitude * (1 - std::cos(2 * t)), length = 3;
+    PlanePath path;
+    for (int i = 0; i <= 80; ++i) {
+      const double s = length * (i / 80.0 - 0.5), dx = -std::sin(angle) * s, dy = std::cos(angle) * s;
+      path.place.push_back({x0 + dx, 0.5 + dy});
+      path.velocity.push_back(
+          {speed(t) - rate * dy - sheet.slide * std::sin(angle), rate * dx + sheet.slide * std::cos(angle)});
+    }
+    return std::vector<BodySurface>{prism_over(path, h, false)};
+  };
+  setup.border[0][0] = {whole_border(PrescribedVelocity{
+      {SpaceTimeValue([=](const Point&, double t) { return speed(t); }), SpaceTimeValue(0.0), SpaceTimeValue(0.0)}})};
+  setup.border[0][1] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+  setup.border[1][0] = setup.border[1][1] = {whole_border(SlipWall{})};
+  return setup;
+}
+
+double roughness_of(const Spanning& sheet) {
+  const NavierStokesSetup setup = spanning_sheet(sheet);
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  return roughness(pressure_forces(flow, 0.005, 628), 10);
+}
+
+TEST(SpanningSheet, PushesTheFluidAsAPlugWhereNothingSlides) {
+  for (const double angle : {0.0, 27 * degree}) {
+    const NavierStokesSetup setup = spanning_sheet({angle, 0, 0});
+    const BlockDecomposition blocks = decompose(setup.grid);
+    FractionalStep flow(setup, blocks);
+    FlowState state;
+    pressure_forces(flow, 0.005, 300, &state);
+    const double speed = std::sin(2 * state.time);
+    double largest = 0;
+    const Triple sizes = flow.decomposition().mine().sizes();
+    for (int j = 0; j < sizes[1]; ++j)
+      for (int i = 0; i < sizes[0]; ++i) largest = std::max(largest, std::abs(state.velocity[0](i, j, 0) - speed));
+    MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    // Exact in space. In time the slip that the change of the pressure gradient leaves: dt^2 dU'/dt / rho = 1e-4.
+    EXPECT_LT(largest, 1e-4) << angle;
+  }
+}
+
+// Roughness of the force: what a two-dimensional prototype of the method had, 0.04 % and 0.017 % (a staircase of closed
+// faces: 16 and 6 %), with room for other places of the sheet among the cells.
+TEST(SpanningSheet, ForceIsSmoothWhereItSlides) {
+  const double rough = roughness_of({27 * degree, 0.5, 0});
+  RecordProperty("roughness", std::to_string(rough));
+  EXPECT_LT(rough, 0.0005);
+}
+
+TEST(SpanningSheet, ForceIsSmoothWhereItTurns) {
+  const double rough = roughness_of({20 * degree, 0, 23 * degree});
+  RecordProperty("roughness", std::to_string(rough));
+  EXPECT_LT(rough, 0.0003);
+}
+
+TEST(SpanningSheet, IsTight) {
+  // 10 kPa on cells of 0.5 mm with steps of 0.1 ms: a wall that the pressure does not see leaks dt p / (rho h) = 2 m/s.
+  const int n = 40;
+  const double h = 0.5e-3, step = 1e-4;
+  for (const double angle : {0.0, 27 * degree, 45 * degree}) {
+    NavierStokesSetup setup =
+        setup_on(box_grid({uniform_faces(0, 3 * n * h, 3 * n), uniform_faces(0, n * h, n), {0, h}}, {}, 2),
+                 TimeScheme::adams_bashforth);
+    setup.density = 1000, setup.viscosity = 1e-3;
+    setup.pressure.relative_tolerance = 1e-12;
+    setup.border[0][0] = {whole_border(PressureOpening{SpaceTimeValue(1e4)})};
+    setup.border[0][1] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+    setup.border[1][0] = setup.border[1][1] = {whole_border(SlipWall{})};
+    setup.bodies = [=](double) {
+      PlanePath path;
+      for (int i = 0; i <= 50; ++i) {
+        const double s = 6 * n * h * (i / 50.0 - 0.5);
+        path.place.push_back({1.5 * n * h - std::sin(angle) * s, 0.5 * n * h + std::cos(angle) * s});
+        path.velocity.push_back({0, 0});
+      }
+      return std::vector<BodySurface>{prism_over(path, h, false)};
+    };
+    const BlockDecomposition blocks = decompose(setup.grid);
+    FractionalStep flow(setup, blocks);
+    FlowState state;
+    pressure_forces(flow, step, 20, &state);
+    EXPECT_LT(state.largest_speed, 2e-10) << angle;  // 1e-10 of that leak: the tolerance of the pressure in 20 steps
+  }
+}
+
+/// A plate of length 1 in a box of 4 that is beaten to and fro by a quarter of its length and turns from 20 to 49
+/// degrees.
+double roughness_of_flapping(int n, double step) {
+  const double h = 1.0 / n;
+  const std::vector<double> faces = uniform_faces(0, 4, 4 * n);
+  NavierStokesSetup setup = setup_on(box_grid({faces, faces, {0, h}}, {}, 2), TimeScheme::adams_bashforth);
+  setup.viscosity = 0.01;
+  setup.border[0][0] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+  const auto sheets = std::make_shared<EdgedSheets>(h, h);
+  setup.bodies = [=](double t) {
+    const double middle = 34.5 * degree, swing = 14.5 * degree;
+    const double angle = middle - swing * std::cos(4 * t), rate = 4 * swing * std::sin(4 * t);
+    const double heave = -0.25 * std::cos(4 * t), speed = std::sin(4 * t);
+    const std::array<double, 2> normal{-std::sin(middle), std::cos(middle)};
+    PlanePath path;
+    for (int i = 0; i <= 4 * n; ++i) {
+      const double s = i / (4.0 * n) - 0.5, x = s * std::cos(angle), y = s * std::sin(angle);
+      path.place.push_back({2.013 + heave * normal[0] + x, 2.007 + heave * normal[1] + y});
+      path.velocity.push_back({speed * normal[0] - rate * y, speed * normal[1] + rate * x});
+    }
+    return std::vector<BodySurface>{sheets->prolonged(0, prism_over(path, h, false))};
+  };
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  return roughness(pressure_forces(flow, step, static_cast<int>(1.575 / step)), 10);
+}
+
+TEST(FreePlate, ForceIsSmoothAndSmootherWithShorterSteps) {
+  const double rough = roughness_of_flapping(20, 0.0025), finer = roughness_of_flapping(20, 0.00125);
+  RecordProperty("courant_0.05", std::to_string(rough));
+  RecordProperty("courant_0.025", std::to_string(finer));
+  EXPECT_LT(rough, 0.003);   // asked for; an edge that opens cells at once has 1.6 %
+  EXPECT_LT(finer, 0.0015);  // likewise
+}
+
+/// Flow rate that a pressure of 1 Pa drives through the gap between the edge of an inclined sheet and the wall, per
+/// time, without viscosity: dQ/dt per pressure.
+double conductance(int n, double gap, double offset) {
+  const double h = 1.0 / n, angle = 27 * degree;
+  NavierStokesSetup setup = setup_on(box_grid({uniform_faces(0, 3, 3 * n), uniform_faces(0, 1, n), {0, h}}, {}, 2),
+                                     TimeScheme::adams_bashforth);
+  setup.border[0][0] = {whole_border(PressureOpening{SpaceTimeValue(1.0)})};
+  setup.border[0][1] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+  setup.border[1][0] = setup.border[1][1] = {whole_border(SlipWall{})};
+  const auto sheets = std::make_shared<EdgedSheets>(h, h);
+  setup.bodies = [=](double) {
+    PlanePath path;
+    for (int i = 0; i <= 4 * n; ++i) {
+      const double s = (1 - gap) / std::cos(angle) * i / (4 * n);
+      path.place.push_back({1.5 + offset * h + s * std::sin(angle), 1 - s * std::cos(angle)});
+      path.velocity.push_back({0, 0});
+    }
+    return std::vector<BodySurface>{
+        sheets->prolonged(0, prism_over(path, h, false), [](const Point& p) { return p[1] > 0.999; })};
+  };
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  FlowState state;
+  pressure_forces(flow, 1e-4, 1, &state);
+  double rate = 0;
+  if (flow.decomposition().mine().begin[0] == 0)
+    for (int j = 0; j < flow.decomposition().mine().size(1); ++j) rate += state.velocity[0](0, j, 0) * h;
+  return summed(rate) / state.time;
+}
+
+TEST(FreePlate, LetsPassBesideItsEdgeWhatAFineGridSays) {
+  // 0.2178 is the limit of ever finer grids, four ways of treating the edge alike (prototype in two dimensions).
+  for (const double offset : {0.0, 0.17, 0.5, 0.83}) EXPECT_NEAR(conductance(20, 0.2, offset), 0.2178, 0.01 * 0.2178);
+}
+
+TEST(SpanningSheet, InASquareDuctForceIsSmooth) {
+  const int n = 12;
+  const double amplitude = 0.5;
+  NavierStokesSetup setup =
+      setup_on(box_grid({uniform_faces(0, 3, 3 * n), uniform_faces(0, 1, n), uniform_faces(0, 1, n)}, {}),
+               TimeScheme::adams_bashforth);
+  setup.viscosity = 0.01;
+  const auto speed = [=](double t) { return 2 * amplitude * std::sin(2 * t); };
+  const double angle = 27 * degree, tilt = 15 * degree;
+  setup.bodies = [=](double t) {
+    const double x0 = 1 + amplitude * (1 - std::cos(2 * t));
+    const std::array<double, 3> a{-std::sin(angle), std::cos(angle), 0},
+        b{-std::sin(tilt) * std::cos(angle), -std::sin(tilt) * std::sin(angle), std::cos(tilt)};
+    Point corner, first, second, velocity;
+    for (std::size_t d = 0; d < 3; ++d) {
+      first[d] = 3 * a[d], second[d] = 3 * b[d];
+      corner[d] = (d == 0 ? x0 : 0.5) - 1.5 * (a[d] + b[d]);
+      velocity[d] = (d == 0 ? speed(t) : 0) + 0.5 * a[d] + 0.3 * b[d];
+    }
+    BodySurface sheet = flat_sheet(corner, first, second, 20);
+    std::fill(sheet.velocity.begin(), sheet.velocity.end(), velocity);
+    return std::vector<BodySurface>{sheet};
+  };
+  setup.border[0][0] = {whole_border(PrescribedVelocity{
+      {SpaceTimeValue([=](const Point&, double t) { return speed(t); }), SpaceTimeValue(0.0), SpaceTimeValue(0.0)}})};
+  setup.border[0][1] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+  for (std::size_t d = 1; d < 3; ++d) setup.border[d][0] = setup.border[d][1] = {whole_border(SlipWall{})};
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  const double rough = roughness(pressure_forces(flow, 0.01, 120), 5);
+  RecordProperty("roughness", std::to_string(rough));
+  EXPECT_LT(rough, 0.001);  // asked for
+}
+
+}  // namespace
+}  // namespace couplet::flow
