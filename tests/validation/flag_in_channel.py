@@ -1,17 +1,13 @@
-#!/usr/bin/python3
-"""Turek-Hron CFD1 to CFD3, FSI1, FSI2: a flag behind a cylinder in a channel, rigid and elastic, on finer and finer grids (about 2 core hours; --quick 4 minutes)."""
+"""The channel of Turek and Hron with a flag behind a cylinder, rigid or elastic, on finer and finer grids."""
 
-import sys
 from pathlib import Path
 
 import numpy
 
-HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent))
-import body_forces as forces  # noqa: E402
-import stored_runs as runs  # noqa: E402
+import body_forces as forces
+import stored_runs as runs
 
-SCENES = HERE.parents[2] / "deploy" / "scenes"
+SCENES = Path(__file__).resolve().parents[2] / "deploy" / "scenes"
 SOURCE = "Turek, Hron 2006; featflow tables"
 # Width of the cells around the flag [m], cells across the channel: no face lies along the flag.
 GRIDS = {"10": (0.005, 83), "20": (0.0025, 167), "40": (0.00125, 333)}  # by cells on the diameter
@@ -21,7 +17,7 @@ CASES = {"CFD1": ("turek-hron-cfd", 0.2, 10, 0.02, 9.9, 1), "CFD2": ("turek-hron
          "FSI2": ("turek-hron-fsi2", 1, 15, 0.004, 12, 0.01)}
 FINEST = {"CFD1": "40", "CFD2": "40", "CFD3": "40", "FSI1": "40", "FSI2": "20"}
 QUICK = {"CFD1": ["10", "20"], "CFD2": ["10"], "FSI1": ["10"]}
-# Relative, on the finest grid that is run: what the numbers must reach. Why: reference.md.
+# Relative, on the finest grid that is run: what the numbers must reach. Why: reference.md of each.
 BANDS = {("CFD1", "drag_mean"): 0.01, ("CFD1", "lift_mean"): 0.01, ("CFD2", "drag_mean"): 0.01, ("CFD2", "lift_mean"): 0.01,
          ("CFD3", "drag_mean"): 0.01, ("CFD3", "lift_amplitude"): 0.02, ("CFD3", "lift_frequency"): 0.01,
          ("FSI1", "ux_mean"): 0.01, ("FSI1", "uy_mean"): 0.01, ("FSI1", "drag_mean"): 0.01, ("FSI1", "lift_mean"): 0.01,
@@ -87,25 +83,22 @@ def draw(options):
         forces.draw(Path(options.out).resolve() / "swings.png", panels, 1)
 
 
-def main():
-    parser = runs.arguments(__doc__, "turek-hron-fsi")
+def validate(doc, folder, cases):
+    """What `couplet validate` runs for some of the cases; the exit code."""
+    parser = runs.arguments(doc, folder.name)
     parser.add_argument("--quick", action="store_true", help="coarse grids of the steady cases")
     options = parser.parse_args()
-    table = runs.read_reference(HERE / "reference.csv", words=["case", "quantity"])
+    table = runs.read_reference(folder / "reference.csv", words=["case", "quantity"])
     reference = dict(zip(zip(table["case"], table["quantity"]), table["value"]))
-    cases = {}
-    for case in CASES:
+    chosen = {}
+    for case in cases:
         for grid in GRIDS:
             name = f"{case}-{grid}"
             if options.quick and grid not in QUICK.get(case, []) or int(grid) > int(FINEST[case]):
                 continue
             if options.only and not any(name.startswith(start) for start in options.only):
                 continue
-            cases[name] = lambda c=case, g=grid: rows_of(options, c, g, reference)
-    code = runs.report_cases(cases, options.json)
+            chosen[name] = lambda c=case, g=grid: rows_of(options, c, g, reference)
+    code = runs.report_cases(chosen, options.json)
     draw(options)
     return code
-
-
-if __name__ == "__main__":
-    sys.exit(main())
