@@ -37,20 +37,17 @@ double WallForcing::slope_of_face(const BodyGeometry& bodies, const Field<double
 }
 
 WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<double>& velocity) const {
-  const auto& [i, j, k] = value.base;
-  const double* const u = velocity.row(j, k) + i;
-  const double* const g = slope_[value.component].row(j, k) + i;  // alike in shape
-  double image = 0, slope = 0, sum = 0;
+  const WallImage& near = value.image[0];
+  const Field<double>& slopes = slope_[value.component];
+  const double* const g = slopes.row(near.base[1], near.base[2]) + near.base[0];
+  double slope = 0, sum = 0;
   for (unsigned n = 0; n < 8; ++n) {
-    const double weight = value.weight[n];
+    const double weight = near.weight[n];
     if (weight == 0) continue;
-    const std::ptrdiff_t at =
-        (n & 1u ? 1 : 0) + (n & 2u ? velocity.stride_y() : 0) + (n & 4u ? velocity.stride_z() : 0);
-    image += weight * u[at];
-    slope += weight * g[at];
+    slope += weight * g[(n & 1u ? 1 : 0) + (n & 2u ? slopes.stride_y() : 0) + (n & 4u ? slopes.stride_z() : 0)];
     sum += weight;
   }
-  return {value.wall_velocity + value.ratio * (image - sum * value.wall_velocity), sum > 0 ? slope / sum : 0};
+  return {WallLayer::value_of(value, velocity), sum > 0 ? slope / sum : 0};
 }
 
 void WallForcing::take_slopes_of_images(const WallLayer& layer, const Field<double>& pressure) {
