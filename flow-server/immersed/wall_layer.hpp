@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "flow-server/immersed/line_of_sight.hpp"
@@ -18,6 +19,8 @@ struct WallImage {
   double ratio = 0;  // what its difference to the wall's velocity counts
   Triple base{};     // of the eight faces: those beside it in rising order, x fastest
   std::array<double, 8> weight{};
+
+  double seen() const { return std::accumulate(weight.begin(), weight.end(), 0.0); }  // sum of the weights
 };
 
 /// A velocity component at a place near a wall, on the line through the wall's nearest point and two image points in
