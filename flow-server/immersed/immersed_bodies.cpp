@@ -40,7 +40,7 @@ bool ImmersedBodies::is_of_my_cells(int d, const Triple& face) const {
   return faces.contains(face) && block_.faces[d].contains(face[0], face[1], face[2]);
 }
 
-void ImmersedBodies::write_problem(const BodyGeometry& now, PressureProblem& problem, std::vector<Box>& changed) {
+bool ImmersedBodies::write_problem(const BodyGeometry& now, PressureProblem& problem, std::vector<Box>& changed) {
   FaceFractions& share = *problem.open_share;
   const auto set = [&](int d, const Triple& face, float value) {
     float& place = share[d](face[0], face[1], face[2]);
@@ -72,7 +72,10 @@ void ImmersedBodies::write_problem(const BodyGeometry& now, PressureProblem& pro
     if (now.cut().find_face(old.direction, old.face) < 0) set(old.direction, old.face, whole(old.direction, old.face));
   for (const PressurePieces::FaceShare& fresh : now.pieces().shares()) set(fresh.direction, fresh.face, fresh.share);
   written_ = now.pieces().shares();
-  problem.split = now.pieces().split();
+  int has_changed = !changed.empty() || problem.split != now.pieces().split() ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &has_changed, 1, MPI_INT, MPI_MAX, block_.decomposition->communicator());
+  if (has_changed == 1) problem.split = now.pieces().split();
+  return has_changed == 1;
 }
 
 void ImmersedBodies::carry_pressure(const BodyGeometry& before, const Field<double>& pressure, BodyGeometry& now,
@@ -125,8 +128,11 @@ void ImmersedBodies::carry_pressure(const BodyGeometry& before, const Field<doub
       }
   }
   // New ones take the mean of what they are joined to.
-  for (int round = 0; round < n_rounds; ++round) {
-    std::vector<double> sum(value.size(), 0.0), weight(value.size(), 0.0);
+  std::vector<double> sum(value.size()), weight(value.size());
+  const auto is_unknown = [](double carried) { return std::isnan(carried); };
+  for (int round = 0; round < n_rounds && std::any_of(value.begin(), value.end(), is_unknown); ++round) {
+    std::fill(sum.begin(), sum.end(), 0.0);
+    std::fill(weight.begin(), weight.end(), 0.0);
     for (const CutFace& face : cut.faces()) {
       Triple next = face.face;
       ++next[face.direction];
@@ -256,8 +262,9 @@ void ImmersedBodies::take_divergence(const BodyGeometry& now, double factor, con
 
 void ImmersedBodies::keep_cut_faces(const BodyGeometry& now, const VectorField& velocity) {
   kept_.clear();
-  for (const CutFace& face : now.cut().faces()) {
-    if (now.pieces().has_plain_slope(face) || !is_of_my_cells(face.direction, face.face)) continue;
+  for (const int index : now.pieces().faces_of_own_slope()) {
+    const CutFace& face = now.cut().faces()[static_cast<std::size_t>(index)];
+    if (!is_of_my_cells(face.direction, face.face)) continue;
     kept_.push_back(velocity[face.direction](face.face[0], face.face[1], face.face[2]));
   }
 }
@@ -265,10 +272,11 @@ void ImmersedBodies::keep_cut_faces(const BodyGeometry& now, const VectorField& 
 void ImmersedBodies::correct_cut_faces(const BodyGeometry& now, double step_over_density, const Field<double>& phi,
                                        const std::vector<double>& piece_phi, VectorField& velocity) const {
   std::size_t n = 0;
-  for (const CutFace& face : now.cut().faces()) {
-    if (now.pieces().has_plain_slope(face) || !is_of_my_cells(face.direction, face.face)) continue;
+  for (const int index : now.pieces().faces_of_own_slope()) {
+    const CutFace& face = now.cut().faces()[static_cast<std::size_t>(index)];
+    if (!is_of_my_cells(face.direction, face.face)) continue;
     velocity[face.direction](face.face[0], face.face[1], face.face[2]) =
-        kept_[n++] - step_over_density * now.pieces().middle_slope(face, phi, piece_phi);
+        kept_[n++] - step_over_density * now.pieces().middle_slope(index, phi, piece_phi);
   }
   for (const WallValue& solid : now.layer().solid())
     velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;

@@ -43,11 +43,13 @@ class PressurePieces {
   /// Slope of a pressure across a piece of a face [Pa/m]; 0 where one side is solid.
   double slope(const CutFace& face, const FacePiece& piece, const Field<double>& cells,
                std::span<const double> pieces) const;
-  /// Slope that acts on the velocity at the middle of a face: that across its piece; where a smooth free edge opens
-  /// another piece to it, the mean of both by the area for which that velocity stands.
-  double middle_slope(const CutFace& face, const Field<double>& cells, std::span<const double> pieces) const;
+  /// Slope that acts on the velocity at the middle of a face, an index in CutCells::faces(): that across its piece;
+  /// where a smooth free edge opens another piece to it, the mean of both by the area for which that velocity stands.
+  double middle_slope(int face, const Field<double>& cells, std::span<const double> pieces) const;
   /// That is what a sweep over the fields finds: both sides of the piece are the cells' places, and no other is open.
   bool has_plain_slope(const CutFace& face) const;
+  /// Indices of all cut faces for which it is not so.
+  const std::vector<int>& faces_of_own_slope() const { return faces_of_own_slope_; }
   bool is_fluid(int part, const Triple& cell) const;
 
  private:
@@ -55,6 +57,7 @@ class PressurePieces {
   PressureUnknown unknown_of(int part, const Triple& cell) const;
   bool is_given(const Triple& cell) const;  // to the solver: of this rank and one layer around it
   void add_face(const CutFace& face);
+  void add_middle_slope(const CutFace& face);
   void add_free_edges(const CutCell& cut);
 
   const FlowBlock& block_;
@@ -62,8 +65,15 @@ class PressurePieces {
   FreeEdgeSettings edge_;
   std::vector<FaceShare> shares_;
   SplitCells split_;
-  std::vector<int> listed_;
-  std::vector<int> place_in_list_;  // (n_further_parts) in split_; -1: not given
+  std::vector<int> listed_, faces_of_own_slope_;
+  /// weight * (upper - lower); `piece` is here the number of a further part.
+  struct SlopeTerm {
+    PressureUnknown lower, upper;
+    double weight;  // [1/m]
+  };
+  std::vector<SlopeTerm> slope_terms_;  // of the middles of all cut faces, in their order
+  std::vector<int> first_slope_term_;   // (n_faces + 1)
+  std::vector<int> place_in_list_;      // (n_further_parts) in split_; -1: not given
 };
 
 }  // namespace couplet::flow

@@ -26,31 +26,34 @@ double WallForcing::slope_between_cells(const Field<double>& pressure, int d, co
 
 double WallForcing::slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d,
                                   const Triple& face) const {
+  if (bodies.layer().is_of_whole_cells(d, face)) return slope_between_cells(pressure, d, face);
   const int index = bodies.cut().find_face(d, face);
   if (index < 0) {
     Triple next = face;
     ++next[d];
     return bodies.cut().is_solid(face) || bodies.cut().is_solid(next) ? 0 : slope_between_cells(pressure, d, face);
   }
-  const CutFace& cut = bodies.cut().faces()[static_cast<std::size_t>(index)];
-  return bodies.pieces().middle_slope(cut, pressure, bodies.piece_pressure);
+  return bodies.pieces().middle_slope(index, pressure, bodies.piece_pressure);
 }
 
-WallForcing::Imposed WallForcing::imposed(const BodyGeometry& now, const WallValue& value,
-                                          const Field<double>& pressure, const Field<double>& velocity) const {
+WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<double>& velocity) const {
   const WallImage& near = value.image[0];
+  const Field<double>& slopes = slope_[value.component];
+  const double* const g = slopes.row(near.base[1], near.base[2]) + near.base[0];
   double slope = 0, sum = 0;
-  for (std::size_t n = 0; n < 8; ++n) {
+  for (unsigned n = 0; n < 8; ++n) {
     const double weight = near.weight[n];
     if (weight == 0) continue;
-    const Triple face{near.base[0] + static_cast<int>(n & 1u), near.base[1] + static_cast<int>((n >> 1) & 1u),
-                      near.base[2] + static_cast<int>((n >> 2) & 1u)};
-    slope +=
-        weight * (now.layer().is_near(value.component, face) ? slope_[value.component](face[0], face[1], face[2])
-                                                             : slope_between_cells(pressure, value.component, face));
+    slope += weight * g[(n & 1u ? 1 : 0) + (n & 2u ? slopes.stride_y() : 0) + (n & 4u ? slopes.stride_z() : 0)];
     sum += weight;
   }
   return {WallLayer::value_of(value, velocity), sum > 0 ? slope / sum : 0};
+}
+
+void WallForcing::take_slopes_of_images(const WallLayer& layer, const Field<double>& pressure) {
+  for (int d = 0; d < block_.n_dimensions; ++d)
+    for (const Triple& face : layer.image_faces(d))
+      slope_[d](face[0], face[1], face[2]) = slope_between_cells(pressure, d, face);
 }
 
 /// Neighbours that a face sees, as far as they are near walls and stayed on their side.
@@ -72,17 +75,19 @@ std::vector<Triple> WallForcing::seen_beside(const BodyGeometry& now, const Wall
 void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double step_over_density,
                         const Field<double>& pressure, HaloExchange& halo, VectorField& velocity) {
   // Where the predictor took the slope between two cells whose places belong to different sides of a wall.
-  for (const CutFace& face : before.cut().faces()) {
+  for (const int index : before.pieces().faces_of_own_slope()) {
+    const CutFace& face = before.cut().faces()[static_cast<std::size_t>(index)];
     const int d = face.direction;
-    if (before.pieces().has_plain_slope(face) || !is_mine(d, face.face)) continue;
+    if (!is_mine(d, face.face)) continue;
     velocity[d](face.face[0], face.face[1], face.face[2]) +=
         step_over_density * (slope_between_cells(pressure, d, face.face) -
-                             before.pieces().middle_slope(face, pressure, before.piece_pressure));
+                             before.pieces().middle_slope(index, pressure, before.piece_pressure));
   }
   std::vector<Field<double>*> exchanged;
   for (int d = 0; d < block_.n_dimensions; ++d) {
+    // What no rank computes, on borders and beyond, has no slope; what another rank does is exchanged.
     for (const Triple& face : now.layer().near_faces(d))
-      if (is_mine(d, face)) slope_[d](face[0], face[1], face[2]) = slope_of_face(before, pressure, d, face);
+      slope_[d](face[0], face[1], face[2]) = is_mine(d, face) ? slope_of_face(before, pressure, d, face) : 0;
     exchanged.push_back(&velocity[d]);
     exchanged.push_back(&slope_[d]);
   }
@@ -90,51 +95,57 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
     velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;
 
   const std::vector<ForcedFace>& forced = now.layer().forced();
-  std::vector<double> shares;
-  std::vector<std::vector<Triple>> beside;  // of faces that have changed where there is no room for an image
+  share_.clear();
+  std::vector<std::pair<std::size_t, std::vector<Triple>>> beside;  // what faces that have changed see without an image
   now.changed_faces.clear();
   for (const ForcedFace& face : forced) {
     const int c = face.value.component, was = before.layer().find_forced(c, face.value.face);
     const ForcedFace* const old = was < 0 ? nullptr : &before.layer().forced()[static_cast<std::size_t>(was)];
     const bool has_changed = old ? old->surface == face.surface && old->is_outer != face.is_outer
                                  : before.layer().is_inside_body(c, face.value.face);
-    shares.push_back(has_changed ? face.closed : face.share);
-    beside.emplace_back();
-    if (has_changed && face.room < 1) beside.back() = seen_beside(now, face.value);
+    share_.push_back(has_changed ? face.closed : face.share);
+    if (has_changed && face.room < 1) {
+      std::vector<Triple> seen = seen_beside(now, face.value);
+      if (!seen.empty()) beside.emplace_back(share_.size() - 1, std::move(seen));
+    }
     if (has_changed) now.changed_faces.push_back({c, face.value.face, face.closed});
   }
-  std::vector<Imposed> left(forced.size()), fresh(forced.size());  // to the equations; of a round
+  left_.resize(forced.size()), fresh_.resize(forced.size());
   for (std::size_t f = 0; f < forced.size(); ++f) {
     const auto& [i, j, k] = forced[f].value.face;
-    left[f] = {velocity[forced[f].value.component](i, j, k), slope_[forced[f].value.component](i, j, k)};
+    left_[f] = {velocity[forced[f].value.component](i, j, k), slope_[forced[f].value.component](i, j, k)};
   }
   for (int round = 0; round < n_rounds; ++round) {
     halo.exchange(exchanged, reach);
+    take_slopes_of_images(now.layer(), pressure);  // in ghosts too, which the exchange has overwritten
+    auto next_beside = beside.begin();
     for (std::size_t f = 0; f < forced.size(); ++f) {
-      const double share = shares[f];
-      Imposed wall = imposed(now, forced[f].value, pressure, velocity[forced[f].value.component]);
-      if (!beside[f].empty()) {
+      const int c = forced[f].value.component;
+      const double share = share_[f];
+      Imposed wall = imposed(forced[f].value, velocity[c]);
+      if (next_beside != beside.end() && next_beside->first == f) {
+        const std::vector<Triple>& seen = next_beside++->second;
         Imposed mean{0, 0};
-        for (const Triple& face : beside[f]) {
-          mean.velocity += velocity[forced[f].value.component](face[0], face[1], face[2]);
-          mean.slope += slope_[forced[f].value.component](face[0], face[1], face[2]);
+        for (const Triple& face : seen) {
+          mean.velocity += velocity[c](face[0], face[1], face[2]);
+          mean.slope += slope_[c](face[0], face[1], face[2]);
         }
-        const double n = static_cast<double>(beside[f].size()), room = forced[f].room;
+        const double n = static_cast<double>(seen.size()), room = forced[f].room;
         wall = {room * wall.velocity + (1 - room) * mean.velocity / n, room * wall.slope + (1 - room) * mean.slope / n};
       }
-      fresh[f] = {(1 - share) * left[f].velocity + share * wall.velocity,
-                  (1 - share) * left[f].slope + share * wall.slope};
+      fresh_[f] = {(1 - share) * left_[f].velocity + share * wall.velocity,
+                   (1 - share) * left_[f].slope + share * wall.slope};
     }
     for (std::size_t f = 0; f < forced.size(); ++f) {
       const auto& [i, j, k] = forced[f].value.face;
-      velocity[forced[f].value.component](i, j, k) = fresh[f].velocity;
-      slope_[forced[f].value.component](i, j, k) = fresh[f].slope;
+      velocity[forced[f].value.component](i, j, k) = fresh_[f].velocity;
+      slope_[forced[f].value.component](i, j, k) = fresh_[f].slope;
     }
   }
   halo.exchange(exchanged, reach);
+  take_slopes_of_images(now.layer(), pressure);
   ghost_.clear();
-  for (const WallValue& value : now.layer().ghosts())
-    ghost_.push_back(imposed(now, value, pressure, velocity[value.component]));
+  for (const WallValue& value : now.layer().ghosts()) ghost_.push_back(imposed(value, velocity[value.component]));
   piece_shift_.assign(now.cut().pieces().size(), 0.0);
   for (const PieceShift& shift : now.layer().shifts()) {
     const Field<double>& u = velocity[shift.component];

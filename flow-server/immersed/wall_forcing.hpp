@@ -40,15 +40,18 @@ class WallForcing {
   struct Imposed {
     double velocity, slope;
   };
-  Imposed imposed(const BodyGeometry& now, const WallValue& value, const Field<double>& pressure,
-                  const Field<double>& velocity) const;
+  Imposed imposed(const WallValue& value, const Field<double>& velocity) const;
+  /// Slopes of faces that images need beside those near walls.
+  void take_slopes_of_images(const WallLayer& layer, const Field<double>& pressure);
   double slope_between_cells(const Field<double>& pressure, int d, const Triple& face) const;
   double slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d, const Triple& face) const;
   bool is_mine(int d, const Triple& face) const;
   std::vector<Triple> seen_beside(const BodyGeometry& now, const WallValue& value) const;
 
   const FlowBlock& block_;
-  VectorField slope_;  // g on faces near walls [Pa/m]
+  VectorField slope_;                  // g on faces near walls and those of images [Pa/m]
+  std::vector<double> share_;          // (n_forced) of the wall value
+  std::vector<Imposed> left_, fresh_;  // (n_forced) to the equations; of a round
   std::vector<Imposed> ghost_;
   std::vector<double> piece_velocity_, piece_shift_;
 };

@@ -4,11 +4,11 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <unordered_map>
+#include <numeric>
 #include <vector>
 
 #include "flow-server/immersed/line_of_sight.hpp"
-#include "flow-server/immersed/surface_tree.hpp"
+#include "flow-server/immersed/nearest_wall.hpp"
 #include "flow-server/momentum/flow_block.hpp"
 
 namespace couplet::flow {
@@ -19,6 +19,8 @@ struct WallImage {
   double ratio = 0;  // what its difference to the wall's velocity counts
   Triple base{};     // of the eight faces: those beside it in rising order, x fastest
   std::array<double, 8> weight{};
+
+  double seen() const { return std::accumulate(weight.begin(), weight.end(), 0.0); }  // sum of the weights
 };
 
 /// A velocity component at a place near a wall, on the line through the wall's nearest point and two image points in
@@ -109,38 +111,39 @@ class WallLayer {
   const LineOfSight& sight() const { return sight_; }
   /// Faces of cut cells and of the cells beside them, as far as their velocities are known to this rank.
   const std::vector<Triple>& near_faces(int component) const { return near_faces_[component]; }
-  bool is_near(int component, const Triple& face) const { return entry(component, face).marks != 0; }
+  bool is_near(int component, const Triple& face) const { return (entry(component, face).marks & near_wall) != 0; }
+  /// Faces that are not near but that the first images are interpolated from.
+  const std::vector<Triple>& image_faces(int component) const { return image_faces_[component]; }
+  /// Whether a near face is one of whole fluid cells: the slope of a pressure there is the one between both.
+  bool is_of_whole_cells(int component, const Triple& face) const {
+    return (entry(component, face).marks & of_whole_cells) != 0;
+  }
   double spacing(const Triple& cell, const Eigen::Vector3d& direction) const;
   bool is_known(int component, const Triple& face) const;
   /// Base and weights of a component at any point, from faces that are seen from `from`, which need not be near.
   WallImage image_at(int component, const Eigen::Vector3d& point, const Triple& from) const;
 
  private:
-  struct Key {
-    int component;
-    Triple face;
-    int direction;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
-  struct KeyHash {
-    std::size_t operator()(const Key& key) const;
+  static constexpr std::uint8_t inside_body = 8, near_wall = 16, of_whole_cells = 32, for_images = 64;
+  /// Those that keep nothing from sight.
+  static constexpr std::uint8_t free_marks = near_wall | of_whole_cells | for_images;
+  /// What a face whose links to the next ones along x, y, z are not all free sees there, and what is seen from there.
+  struct Links {
+    std::array<Sight, 3> ahead, back;
   };
   /// What is known of a face, side by side in memory.
   struct FaceEntry {
     int forced = 0;      // in forced_, counted from 1
     int last_ghost = 0;  // the last ghost made of it, in ghosts_, counted from 1
-    /// Bits of a face near a wall: 1, 2, 4: blocked, wholly or partly, towards the next one along x, y, z; 8: inside a
-    /// body; 16: near.
+    int links = 0;       // in links_, counted from 1
+    NearbyWalls walls;
+    /// Bits: 1, 2, 4: blocked, wholly or partly, towards the next one along x, y, z; those named below.
     std::uint8_t marks = 0;
   };
   FaceEntry& entry(int component, const Triple& face) { return entry_[component](face[0], face[1], face[2]); }
   const FaceEntry& entry(int component, const Triple& face) const {
     return entry_[component](face[0], face[1], face[2]);
   }
-  /// Around a surface.
-  struct Bounds {
-    Eigen::Array3d low, high;
-  };
   /// Through which side of which surface a ghost is seen, and the one made of the same face before, counted from 1.
   struct GhostSide {
     int surface;
@@ -150,19 +153,22 @@ class WallLayer {
   /// The ghost of a face as it is seen from that side of a surface; made when it is asked for the first time.
   int ghost(int component, const Triple& face, int surface, bool is_outer);
   void collect_faces();
+  void add_image_faces(const WallValue& value);
   void add_pieces();
   void add_shift(const CutFace& face, int piece);
   void find_links(int component, const Triple& face);
   void add_face(int component, const Triple& face);
   void add_row(int component, const Triple& face);
-  ClosestPoint closest_of_all(const Eigen::Vector3d& point, double largest_distance, double largest_of_closed);
-  ClosestPoint closest_on(int surface, const Eigen::Vector3d& point, double largest_distance);
-  bool is_free(int component, const Triple& face, int e, int step) const;
+  Sight sight_to(int component, const Triple& face, int e, int step) const;
   bool is_beyond_border(int component, const Triple& face) const;
   void set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
                   double near, const Triple& from) const;
   void weigh_seen_faces(int component, WallImage& image, const Eigen::Vector3d& place, const Triple& from,
                         int detour) const;
+  bool is_all_free(int component, const Box& faces) const;
+  /// Weights of trilinear interpolation times how well each face is seen.
+  template <class Seen>
+  void weigh(WallImage& image, const Eigen::Vector3d& place, const Seen& seen) const;
   double openness(int component, const Triple& face, int e, int step) const;
   Eigen::Vector3d position(int component, const Triple& face) const;
 
@@ -170,18 +176,17 @@ class WallLayer {
   const CutCells& cut_;
   LineOfSight sight_;
   WallLayerSettings settings_;
-  std::span<const BodySurface> surfaces_;
-  std::span<const SurfaceTree> trees_;
-  std::array<Box, 3> known_;                            // faces of each component that neighbours and borders fill in
-  std::array<std::vector<Triple>, 3> near_faces_;       // of each component, near cut cells
-  std::array<Field<FaceEntry>, 3> entry_;               // of each face of each component
-  std::unordered_map<Key, double, KeyHash> half_open_;  // of links through a smooth free edge
+  NearestWall nearest_;
+  std::array<Box, 3> known_;                       // faces of each component that neighbours and borders fill in
+  std::array<Box, 3> within_borders_;              // those of them that are not beyond a border or on it
+  std::array<std::vector<Triple>, 3> near_faces_;  // of each component, near cut cells
+  std::array<std::vector<Triple>, 3> image_faces_;
+  std::array<Field<FaceEntry>, 3> entry_;  // of each face of each component
+  std::vector<Links> links_;
   std::vector<ForcedFace> forced_;
   std::vector<WallValue> ghosts_, solid_;
   std::vector<CutRow> rows_;
   std::vector<GhostSide> ghost_side_;  // of each ghost
-  std::vector<Bounds> bounds_;         // of each surface
-  std::vector<int> hint_;              // of each surface's tree: from the query before
   std::vector<int> ghost_of_piece_;
   std::vector<PieceShift> shifts_;
 };

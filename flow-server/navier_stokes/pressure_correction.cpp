@@ -60,8 +60,7 @@ void PressureCorrection::place_bodies(double time, FlowState& state) {
 void PressureCorrection::force_walls(const FlowState& from, double step_over_density, FlowState& to) {
   BodyGeometry& now = *to.bodies;
   std::vector<Box> changed;
-  bodies_->write_problem(now, problem_, changed);
-  solver_->update(changed);
+  if (bodies_->write_problem(now, problem_, changed)) solver_->update(changed);
   whole_cells_ = now.cut().whole(block_.cells);
   WallForcing& forcing = bodies_->forcing();
   forcing.force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to.velocity);

@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,17 +23,21 @@
 #include "flow-server/navier_stokes/predictor.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
 #include "proto/report/failure.hpp"
+#include "tests/benchmarks/step_clock.hpp"
 
 namespace {
 
 using namespace couplet::flow;
+using couplet::benchmark::StepClock;
 using couplet::surface::NodeArray;
 
 struct Options {
   double size = 1;  // of everything, in cells: 1 is a box of 400 x 130 x 130
   int steps = 10;
   double tolerance = 1e-3;
+  std::vector<int> blocks;       // along x, y, z; none: as the flow chooses
   std::string wall = "surface";  // or cells: a staircase
+  bool counts_processor = false;
 };
 
 // Lengths in cells (which are 1 m wide), speeds in cells a second.
@@ -150,16 +155,6 @@ struct Seconds {
   double rest() const { return step - surfaces - geometry() - solver_update - pressure_solve - predictor - forcing; }
 };
 
-/// Adds what a piece of work takes until all ranks are through with it.
-template <class Work>
-void take_time(double& seconds, const Work& work) {
-  MPI_Barrier(MPI_COMM_WORLD);
-  const double started = MPI_Wtime();
-  work();
-  MPI_Barrier(MPI_COMM_WORLD);
-  seconds += MPI_Wtime() - started;
-}
-
 /// The geometry of one position part by part, as BodyGeometry has it.
 struct GeometryParts {
   GeometryParts(const FlowBlock& block, const BodyFlowSettings& settings)
@@ -168,12 +163,12 @@ struct GeometryParts {
         pieces(block, cut, settings.edge),
         layer(block, cut, settings.wall) {}
 
-  void place(std::vector<BodySurface> moved, const FlowBlock& block, Seconds& seconds) {
+  void place(std::vector<BodySurface> moved, const FlowBlock& block, const StepClock& clock, Seconds& seconds) {
     surfaces = std::move(moved);
-    take_time(seconds.crossings, [&] { crossings.update(surfaces); });
-    take_time(seconds.cut_cells, [&] { cut.update(surfaces); });
-    take_time(seconds.pieces, [&] { pieces.update(); });
-    take_time(seconds.trees, [&] {
+    seconds.crossings += clock.seconds([&] { crossings.update(surfaces); });
+    seconds.cut_cells += clock.seconds([&] { cut.update(surfaces); });
+    seconds.pieces += clock.seconds([&] { pieces.update(); });
+    seconds.trees += clock.seconds([&] {
       for (std::size_t s = 0; s < surfaces.size(); ++s) {
         const std::array<SurfaceInTree, 1> in_tree{
             SurfaceInTree{&surfaces[s], {}, static_cast<int>(surfaces[s].triangle.size())}};
@@ -184,8 +179,8 @@ struct GeometryParts {
         }
       }
     });
-    take_time(seconds.layer, [&] { layer.update(surfaces, trees); });
-    take_time(seconds.whole, [&] { n_whole_cells = cut.whole(block.cells).n_cells(); });
+    seconds.layer += clock.seconds([&] { layer.update(surfaces, trees); });
+    seconds.whole += clock.seconds([&] { n_whole_cells = cut.whole(block.cells).n_cells(); });
   }
 
   std::vector<BodySurface> surfaces;
@@ -216,25 +211,24 @@ class StepParts {
     for (auto& geometry : geometry_) geometry = std::make_unique<GeometryParts>(block_, setup.body_settings);
   }
 
-  void repeat(const FlowState& from, double dt, Seconds& seconds) {
-    take_time(seconds.predictor, [&] { predictor_.predict(from, dt, setup_.scheme, to_); });
+  void repeat(const FlowState& from, double dt, const StepClock& clock, Seconds& seconds) {
+    seconds.predictor += clock.seconds([&] { predictor_.predict(from, dt, setup_.scheme, to_); });
     std::vector<BodySurface> moved;
-    take_time(seconds.surfaces, [&] { moved = setup_.bodies(from.time + dt); });
+    seconds.surfaces += clock.seconds([&] { moved = setup_.bodies(from.time + dt); });
     std::swap(geometry_[0], geometry_[1]);  // a step finds the geometry of two steps before
-    geometry_[0]->place(moved, block_, seconds);
+    geometry_[0]->place(moved, block_, clock, seconds);
     if (to_.bodies) {
       to_.bodies->place(std::move(moved));
     } else {
       to_.bodies = bodies_.make_geometry(std::move(moved));
     }
     BodyGeometry& now = *to_.bodies;
-    take_time(seconds.solver_update, [&] {
+    seconds.solver_update += clock.seconds([&] {
       std::vector<Box> changed;
-      bodies_.write_problem(now, problem_, changed);
-      solver_->update(changed);
+      if (bodies_.write_problem(now, problem_, changed)) solver_->update(changed);
     });
     const double step_over_density = dt / setup_.density;
-    take_time(seconds.forcing, [&] {
+    seconds.forcing += clock.seconds([&] {
       bodies_.forcing().force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to_.velocity);
       bodies_.carry_pressure(*from.bodies, from.pressure, now, to_.pressure);
       bodies_.forcing().take_slopes_of(now, step_over_density, to_.pressure, to_.velocity);
@@ -242,13 +236,13 @@ class StepParts {
     ghosts_.while_filling(to_.velocity, false, [&](const Box& box) {
       take_divergence(block_, box, 1 / step_over_density, to_.velocity, source_);
     });
-    take_time(seconds.forcing, [&] {
+    seconds.forcing += clock.seconds([&] {
       bodies_.take_divergence(now, 1 / step_over_density, to_.velocity, bodies_.forcing().piece_velocity(), source_,
                               piece_source_);
     });
     piece_phi_.assign(piece_source_.size(), 0.0);
     std::fill(phi_.data(), phi_.data() + phi_.n_values(), 0.0);
-    take_time(seconds.pressure_solve, [&] {
+    seconds.pressure_solve += clock.seconds([&] {
       solver_->solve(source_, phi_, {setup_.pressure.relative_tolerance, 0, setup_.pressure.largest_iterations},
                      piece_source_, piece_phi_);
     });
@@ -314,19 +308,22 @@ int measure(const Options& options) {
     for (const auto& leaflet : leaflets) surfaces.push_back(leaflet->at(time));
     return surfaces;
   };
-  const BlockDecomposition blocks = decompose(setup.grid, std::nullopt, MPI_COMM_WORLD);
+  std::optional<Triple> shape;
+  if (!options.blocks.empty()) shape = {options.blocks[0], options.blocks[1], options.blocks[2]};
+  const BlockDecomposition blocks = decompose(setup.grid, shape, MPI_COMM_WORLD);
 
   FractionalStep step(setup, blocks);
   StepParts parts(setup, blocks);
   FlowState state = step.initial_state(), next;
+  const StepClock clock(options.counts_processor);
   Seconds seconds;
   int iterations = 0;
   const int warm_up = 3;  // first steps: start of Adams-Bashforth, first touch of memory
   for (int n = 0; n < warm_up + options.steps; ++n) {
     Seconds one;
     AdvanceReport report;
-    take_time(one.step, [&] { report = step.advance(state, step_size, next); });
-    if (n > 0) parts.repeat(state, step_size, one);
+    one.step += clock.seconds([&] { report = step.advance(state, step_size, next); });
+    if (n > 0) parts.repeat(state, step_size, clock, one);
     std::swap(state, next);
     if (report.n_steps != 1)
       throw couplet::report::NumericsError("step " + std::to_string(n), "was cut in " + std::to_string(report.n_steps),
@@ -375,8 +372,10 @@ int run(int argc, char** argv) {
   app.add_option("--size", options.size, "1: a box of 400 x 130 x 130 cells")->check(CLI::Range(0.2, 4.0));
   app.add_option("--steps", options.steps, "steps that are timed")->check(CLI::PositiveNumber);
   app.add_option("--tolerance", options.tolerance, "of the pressure increment, relative");
+  app.add_option("--blocks", options.blocks, "of the grid along x, y and z, one a rank")->expected(3);
   app.add_option("--wall", options.wall, "of the tube: a surface that cuts cells, or whole cells")
       ->check(CLI::IsMember({"surface", "cells"}));
+  app.add_flag("--processor-time", options.counts_processor, "of the busiest rank, in place of wall time");
   CLI11_PARSE(app, argc, argv);
   return measure(options);
 }
