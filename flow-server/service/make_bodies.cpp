@@ -198,7 +198,8 @@ BodySetup make_body(const v1::NavierStokes& model, const v1::FlowBody& body, con
   place(body.placement(), setup.mesh);
   setup.is_closed = !thin;
   setup.closes_covered_holes = body.has_coupled() && !thin;
-  const bool is_vessel = body.has_tube() || body.cylinder().fluid_inside() || body.file().kind() == v1::SurfaceFile::VESSEL;
+  const bool is_vessel =
+      body.has_tube() || body.cylinder().fluid_inside() || body.file().kind() == v1::SurfaceFile::VESSEL;
   setup.fluid = is_vessel ? FluidSide::inside : FluidSide::outside;
   // Flat faces bound a body as well as small ones do.
   setup.largest_side = body.has_file() && !thin && !body.has_largest_triangle() ? 0 : side;
