@@ -22,8 +22,13 @@ class WallForcing {
   void force(const BodyGeometry& before, BodyGeometry& now, double step_over_density, const Field<double>& pressure,
              HaloExchange& halo, VectorField& velocity);
 
-  /// Collective. Forces the velocity of a stage inside a step, with the walls where they are at its start.
-  void hold(const BodyGeometry& before, HaloExchange& halo, VectorField& velocity) const;
+  /// Collective. Forces the velocity of a stage inside a step, when `elapsed` of it (0 to 1) has passed: between what the
+  /// walls impose where they are at its start and at its end.
+  void hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed, HaloExchange& halo,
+            VectorField& velocity);
+  /// What hold() has changed, taken back from the velocity of the next stage, which went on from the held one: so the
+  /// equations are blended with the wall once a step, by every scheme.
+  void release(VectorField& velocity) const;
 
   /// Exchanges the slopes in the velocity of faces near the walls of `now` for those of the given pressure, and leaves
   /// the velocity of each piece of cut faces with its own slope in piece_velocity().
@@ -50,6 +55,12 @@ class WallForcing {
   const FlowBlock& block_;
   VectorField slope_;  // g on faces near walls [Pa/m]
   std::vector<Imposed> ghost_;
+  struct HeldFace {
+    int component;
+    Triple face;
+    double change;  // [m/s]
+  };
+  std::vector<HeldFace> held_;  // of this rank
   std::vector<double> piece_velocity_, piece_shift_;
 };
 

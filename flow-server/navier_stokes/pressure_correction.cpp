@@ -70,10 +70,7 @@ void PressureCorrection::force_walls(const FlowState& from, double step_over_den
 }
 
 PressureCorrection::Result PressureCorrection::correct_step(const FlowState& from, double dt, FlowState& to) {
-  if (bodies_) {
-    place_bodies(from.time + dt, to);
-    force_walls(from, dt / setup_.density, to);
-  }
+  if (bodies_) force_walls(from, dt / setup_.density, to);
   take_divergence_of(to.velocity, setup_.density / dt, to.bodies.get());
   const double speed_at_rest = courant_at_rest * smallest_width_ / dt;
   const double speed = std::max(from.largest_speed, speed_at_rest);
