@@ -69,9 +69,8 @@ std::vector<Triple> WallForcing::seen_beside(const BodyGeometry& now, const Wall
   return seen;
 }
 
-void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double step_over_density,
-                        const Field<double>& pressure, HaloExchange& halo, VectorField& velocity) {
-  // Where the predictor took the slope between two cells whose places belong to different sides of a wall.
+void WallForcing::mend_slopes(const BodyGeometry& before, double step_over_density, const Field<double>& pressure,
+                              VectorField& velocity) const {
   for (const CutFace& face : before.cut().faces()) {
     const int d = face.direction;
     if (before.pieces().has_plain_slope(face) || !is_mine(d, face.face)) continue;
@@ -79,6 +78,10 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
         step_over_density * (slope_between_cells(pressure, d, face.face) -
                              before.pieces().middle_slope(face, pressure, before.piece_pressure));
   }
+}
+
+void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Field<double>& pressure,
+                        HaloExchange& halo, VectorField& velocity) {
   std::vector<Field<double>*> exchanged;
   for (int d = 0; d < block_.n_dimensions; ++d) {
     for (const Triple& face : now.layer().near_faces(d))
@@ -164,8 +167,8 @@ void WallForcing::hold(const BodyGeometry& before, const BodyGeometry& now, doub
       const bool is_passed = there.is_inside_body(face.value.component, face.value.face);
       const double weight = is_passed ? 1 : is_end ? elapsed : 1 - elapsed;
       const double share = is_passed && is_end ? face.closed : face.share;
-      held_.push_back({face.value.component, face.value.face,
-                       weight * share * (WallLayer::value_of(face.value, u) - u(i, j, k))});
+      held_.push_back(
+          {face.value.component, face.value.face, weight * share * (WallLayer::value_of(face.value, u) - u(i, j, k))});
     }
   }
   for (const auto& [c, face, change] : held_) velocity[c](face[0], face[1], face[2]) += change;

@@ -73,6 +73,7 @@ void Predictor::predict_by_adams_bashforth(const FlowState& from, double dt, Flo
           weights.before * closed * (to.rate[c](face[0], face[1], face[2]) - forgotten[n]);
     }
   }
+  if (from.bodies) bodies_->forcing().mend_slopes(*from.bodies, dt / setup_.density, from.pressure, to.velocity);
   force_.add_varying(middle, dt, to.velocity);
   border_.add_pressure_change(dt / setup_.density, from.pressure, to.velocity);
   border_.set_time(from.time + dt, dt, from.velocity);
@@ -117,6 +118,7 @@ void Predictor::predict_by_runge_kutta(const FlowState& from, double dt, bool ke
                            weights.now, old, s == 1 ? &rate_ : nullptr, fresh);
       if (from.bodies) bodies_->forcing().release(fresh);
     }
+    if (from.bodies) bodies_->forcing().mend_slopes(*from.bodies, part / setup_.density, from.pressure, fresh);
     force_.add_varying(middle, part, fresh);
     border_.add_pressure_change(part / setup_.density, from.pressure, fresh);
     elapsed += part;

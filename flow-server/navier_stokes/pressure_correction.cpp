@@ -64,7 +64,7 @@ void PressureCorrection::force_walls(const FlowState& from, double step_over_den
   solver_->update(changed);
   whole_cells_ = now.cut().whole(block_.cells);
   WallForcing& forcing = bodies_->forcing();
-  forcing.force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to.velocity);
+  forcing.force(*from.bodies, now, from.pressure, ghosts_.exchange(), to.velocity);
   bodies_->carry_pressure(*from.bodies, from.pressure, now, to.pressure);
   forcing.take_slopes_of(now, step_over_density, to.pressure, to.velocity);
 }

@@ -25,7 +25,8 @@ class PressureCorrection {
   };
 
   /// Collective. Ends a step: div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi. The bodies of
-  /// the end state stand in their places. Sets its times and measures and fills its ghosts. Throws NumericsError where divergence is left.
+  /// the end state stand in their places. Sets its times and measures and fills its ghosts. Throws NumericsError where
+  /// divergence is left.
   Result correct_step(const FlowState& from, double dt, FlowState& to);
 
   /// Collective. u -= grad phi with div grad phi = div u, almost to round-off: for an initial velocity.

@@ -217,7 +217,6 @@ class StepParts {
   }
 
   void repeat(const FlowState& from, double dt, Seconds& seconds) {
-    take_time(seconds.predictor, [&] { predictor_.predict(from, dt, setup_.scheme, to_); });
     std::vector<BodySurface> moved;
     take_time(seconds.surfaces, [&] { moved = setup_.bodies(from.time + dt); });
     std::swap(geometry_[0], geometry_[1]);  // a step finds the geometry of two steps before
@@ -228,6 +227,7 @@ class StepParts {
       to_.bodies = bodies_.make_geometry(std::move(moved));
     }
     BodyGeometry& now = *to_.bodies;
+    take_time(seconds.predictor, [&] { predictor_.predict(from, dt, setup_.scheme, to_); });
     take_time(seconds.solver_update, [&] {
       std::vector<Box> changed;
       bodies_.write_problem(now, problem_, changed);
@@ -235,7 +235,7 @@ class StepParts {
     });
     const double step_over_density = dt / setup_.density;
     take_time(seconds.forcing, [&] {
-      bodies_.forcing().force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to_.velocity);
+      bodies_.forcing().force(*from.bodies, now, from.pressure, ghosts_.exchange(), to_.velocity);
       bodies_.carry_pressure(*from.bodies, from.pressure, now, to_.pressure);
       bodies_.forcing().take_slopes_of(now, step_over_density, to_.pressure, to_.velocity);
     });
