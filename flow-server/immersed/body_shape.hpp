@@ -19,8 +19,8 @@ struct DepthSpan {
 };
 
 // All are made of triangles whose sides (in two dimensions: along the outline) are at most `largest_side` [m] long.
-// Normals point out of closed bodies; corners lie on the true surface, so that a round body is too small by a share of
-// (side / radius)^2.
+// Normals point out of closed bodies. Triangles of ellipses and ellipsoids cut into the true surface as much as their
+// corners stand out of it, by a share of (side / radius)^2 / 8 or less: the body has the true volume.
 
 /// Prism over an ellipse with half-axes along x and y [m], without lids.
 surface::SurfaceMesh make_elliptic_cylinder(const PlanePoint& centre, const PlanePoint& half_axes,

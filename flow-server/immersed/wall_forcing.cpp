@@ -72,9 +72,8 @@ std::vector<Triple> WallForcing::seen_beside(const BodyGeometry& now, const Wall
   return seen;
 }
 
-void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double step_over_density,
-                        const Field<double>& pressure, HaloExchange& halo, VectorField& velocity) {
-  // Where the predictor took the slope between two cells whose places belong to different sides of a wall.
+void WallForcing::mend_slopes(const BodyGeometry& before, double step_over_density, const Field<double>& pressure,
+                              VectorField& velocity) const {
   for (const int index : before.pieces().faces_of_own_slope()) {
     const CutFace& face = before.cut().faces()[static_cast<std::size_t>(index)];
     const int d = face.direction;
@@ -83,6 +82,10 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
         step_over_density * (slope_between_cells(pressure, d, face.face) -
                              before.pieces().middle_slope(index, pressure, before.piece_pressure));
   }
+}
+
+void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Field<double>& pressure,
+                        HaloExchange& halo, VectorField& velocity) {
   std::vector<Field<double>*> exchanged;
   for (int d = 0; d < block_.n_dimensions; ++d) {
     // What no rank computes, on borders and beyond, has no slope; what another rank does is exchanged.
@@ -159,24 +162,35 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
   }
 }
 
-void WallForcing::hold(const BodyGeometry& before, HaloExchange& halo, VectorField& velocity) const {
+void WallForcing::hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed, HaloExchange& halo,
+                       VectorField& velocity) {
   std::vector<Field<double>*> exchanged;
   for (int d = 0; d < block_.n_dimensions; ++d) exchanged.push_back(&velocity[d]);
   halo.exchange(exchanged, reach);
-  const std::vector<ForcedFace>& forced = before.layer().forced();
-  std::vector<double> fresh;
-  for (const ForcedFace& face : forced) {
-    const Field<double>& u = velocity[face.value.component];
-    const auto& [i, j, k] = face.value.face;
-    fresh.push_back((1 - face.share) * u(i, j, k) + face.share * WallLayer::value_of(face.value, u));
+  // Of both places; a face that the wall passes over belongs to the one where it is in the fluid.
+  held_.clear();
+  for (const bool is_end : {false, true}) {
+    const WallLayer& here = (is_end ? now : before).layer();
+    const WallLayer& there = (is_end ? before : now).layer();
+    for (const ForcedFace& face : here.forced()) {
+      const auto& [i, j, k] = face.value.face;
+      const Field<double>& u = velocity[face.value.component];
+      const bool is_passed = there.is_inside_body(face.value.component, face.value.face);
+      const double weight = is_passed ? 1 : is_end ? elapsed : 1 - elapsed;
+      const double share = is_passed && is_end ? face.closed : face.share;
+      held_.push_back(
+          {face.value.component, face.value.face, weight * share * (WallLayer::value_of(face.value, u) - u(i, j, k))});
+    }
   }
-  for (std::size_t f = 0; f < forced.size(); ++f) {
-    const auto& [i, j, k] = forced[f].value.face;
-    velocity[forced[f].value.component](i, j, k) = fresh[f];
-  }
+  for (const auto& [c, face, change] : held_) velocity[c](face[0], face[1], face[2]) += change;
   for (const WallValue& solid : before.layer().solid())
-    velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;
+    if (now.layer().find_forced(solid.component, solid.face) < 0)
+      velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;
   halo.exchange(exchanged, reach);  // images of ghosts
+}
+
+void WallForcing::release(VectorField& velocity) const {
+  for (const auto& [c, face, change] : held_) velocity[c](face[0], face[1], face[2]) -= change;
 }
 
 void WallForcing::take_slopes_of(BodyGeometry& now, double step_over_density, const Field<double>& pressure,

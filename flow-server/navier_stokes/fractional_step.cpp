@@ -124,6 +124,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
     for (bool is_taken = false; !is_taken;) {
       const double dt = (duration - done) / plan.n_steps;
       if (dt < smallest_step) refuse_step(parts.block, *from, rates.diffusion > rates.courant, dt, smallest_step);
+      parts.correction.place_bodies(from->time + dt, to);
       parts.predictor.predict(*from, dt, plan.scheme, to);
       const PressureCorrection::Result corrected = parts.correction.correct_step(*from, dt, to);
       // A flow that speeds up within the step, from rest say, takes it again in shorter ones.

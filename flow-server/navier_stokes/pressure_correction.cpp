@@ -63,16 +63,13 @@ void PressureCorrection::force_walls(const FlowState& from, double step_over_den
   if (bodies_->write_problem(now, problem_, changed)) solver_->update(changed);
   whole_cells_ = now.cut().whole(block_.cells);
   WallForcing& forcing = bodies_->forcing();
-  forcing.force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to.velocity);
+  forcing.force(*from.bodies, now, from.pressure, ghosts_.exchange(), to.velocity);
   bodies_->carry_pressure(*from.bodies, from.pressure, now, to.pressure);
   forcing.take_slopes_of(now, step_over_density, to.pressure, to.velocity);
 }
 
 PressureCorrection::Result PressureCorrection::correct_step(const FlowState& from, double dt, FlowState& to) {
-  if (bodies_) {
-    place_bodies(from.time + dt, to);
-    force_walls(from, dt / setup_.density, to);
-  }
+  if (bodies_) force_walls(from, dt / setup_.density, to);
   take_divergence_of(to.velocity, setup_.density / dt, to.bodies.get());
   const double speed_at_rest = courant_at_rest * smallest_width_ / dt;
   const double speed = std::max(from.largest_speed, speed_at_rest);

@@ -212,7 +212,6 @@ class StepParts {
   }
 
   void repeat(const FlowState& from, double dt, const StepClock& clock, Seconds& seconds) {
-    seconds.predictor += clock.seconds([&] { predictor_.predict(from, dt, setup_.scheme, to_); });
     std::vector<BodySurface> moved;
     seconds.surfaces += clock.seconds([&] { moved = setup_.bodies(from.time + dt); });
     std::swap(geometry_[0], geometry_[1]);  // a step finds the geometry of two steps before
@@ -223,13 +222,14 @@ class StepParts {
       to_.bodies = bodies_.make_geometry(std::move(moved));
     }
     BodyGeometry& now = *to_.bodies;
+    seconds.predictor += clock.seconds([&] { predictor_.predict(from, dt, setup_.scheme, to_); });
     seconds.solver_update += clock.seconds([&] {
       std::vector<Box> changed;
       if (bodies_.write_problem(now, problem_, changed)) solver_->update(changed);
     });
     const double step_over_density = dt / setup_.density;
     seconds.forcing += clock.seconds([&] {
-      bodies_.forcing().force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to_.velocity);
+      bodies_.forcing().force(*from.bodies, now, from.pressure, ghosts_.exchange(), to_.velocity);
       bodies_.carry_pressure(*from.bodies, from.pressure, now, to_.pressure);
       bodies_.forcing().take_slopes_of(now, step_over_density, to_.pressure, to_.velocity);
     });

@@ -45,23 +45,26 @@ double volume_of(BodySurface& surface, std::span<const BorderPlane> planes = {})
   return topology.volume;
 }
 
-TEST(BodyShape, RoundBodiesConvergeWithTheSquareOfTheSide) {
-  std::vector<double> disc, ball, ball_area;
+TEST(BodyShape, RoundBodiesHaveTheTrueVolumeAndConvergeWithTheSquareOfTheSide) {
+  std::vector<double> off_disc, off_ball, ball_area;
   for (const double side : {0.1, 0.05}) {
     BodySurface cylinder = surface_of(make_elliptic_cylinder({3, 4}, {1, 0.5}, {}, side), true);
     EXPECT_LE(longest_side(cylinder, 2), side);
-    disc.push_back(1 - volume_of(cylinder, one_cell) / (pi * 0.5));
+    EXPECT_NEAR(volume_of(cylinder, one_cell), pi * 0.5, 1e-12);
+    off_disc.push_back(std::hypot(cylinder.position[0][0] - 3, (cylinder.position[0][1] - 4) / 0.5) - 1);
     BodySurface ellipsoid = surface_of(make_ellipsoid({1, 2, 3}, {1, 0.5, 0.75}, side), true);
     EXPECT_LE(longest_side(ellipsoid, 3), side);
-    ball.push_back(1 - volume_of(ellipsoid) / (4 * pi / 3 * 0.5 * 0.75));
-    ball_area.push_back(1 - area_of(surface_of(make_ellipsoid({0, 0, 0}, {1, 1, 1}, side), true)) / (4 * pi));
+    EXPECT_NEAR(volume_of(ellipsoid), 4 * pi / 3 * 0.5 * 0.75, 1e-12);
+    const BodySurface ball = surface_of(make_ellipsoid({0, 0, 0}, {1, 1, 1}, side), true);
+    off_ball.push_back(length(ball.position[0]) - 1);
+    ball_area.push_back(area_of(ball) / (4 * pi) - 1);
   }
   // Errors of chords are of second order: a factor of four, to the rounding of counts.
-  EXPECT_NEAR(disc[0] / disc[1], 4, 0.2);
-  EXPECT_NEAR(ball[0] / ball[1], 4, 0.6);
+  EXPECT_NEAR(off_disc[0] / off_disc[1], 4, 0.2);
+  EXPECT_NEAR(off_ball[0] / off_ball[1], 4, 0.6);
   EXPECT_NEAR(ball_area[0] / ball_area[1], 4, 0.6);
-  EXPECT_LT(disc[0], 0.1 * 0.1);      // below (side / radius)^2
-  EXPECT_LT(ball[0], 4 * 0.1 * 0.1);  // the smallest radius is a half
+  EXPECT_LT(off_disc[0], 0.1 * 0.1 / 8);  // (side / radius)^2 / 8
+  EXPECT_LT(off_ball[0], 0.1 * 0.1 / 8);
 }
 
 TEST(BodyShape, FlatBodiesAreExact) {

@@ -27,7 +27,7 @@ double largest_outflow(int n, std::vector<BodySurface> surfaces, const Flow& flo
     });
   ImmersedBodies bodies(placed.block, BodyFlowSettings{});
   HaloExchange halo(placed.blocks);
-  bodies.forcing().force(*placed.bodies, *placed.bodies, 0, placed.pressure, halo, placed.velocity);
+  bodies.forcing().force(*placed.bodies, *placed.bodies, placed.pressure, halo, placed.velocity);
   bodies.forcing().take_slopes_of(*placed.bodies, 0, placed.pressure, placed.velocity);
   Field<double> source = placed.block.new_field();
   std::vector<double> piece_source;
