@@ -333,18 +333,21 @@ ClosestPoint WallLayer::closest_on(int surface, const Eigen::Vector3d& point, do
   return found;
 }
 
-/// On all surfaces; of those at the same distance the first one counts. Closed ones farther than `largest_of_closed`
-/// are overlooked where there is no sheet.
-ClosestPoint WallLayer::closest_of_all(const Eigen::Vector3d& point, double largest_distance,
-                                       double largest_of_closed) {
+double WallLayer::blend_of(const BodySurface& surface) const {
+  return surface.blend_width.value_or(surface.is_closed ? settings_.blend_of_closed : settings_.blend_of_sheets);
+}
+
+/// On all surfaces; of those at the same distance the first one counts. Each is overlooked beyond its own reach.
+template <class Reach>
+ClosestPoint WallLayer::closest_of_all(const Eigen::Vector3d& point, const Reach& reach_of) {
   constexpr double round_off = 1 + 1e-12;  // surfaces at the same distance are both found
   ClosestPoint nearest;
   for (const bool is_closed : {false, true})
     for (int s = 0; s < static_cast<int>(trees_.size()); ++s) {
-      if (surfaces_[static_cast<std::size_t>(s)].is_closed != is_closed) continue;
-      const double reach = nearest.is_found() ? nearest.distance * round_off
-                           : is_closed        ? largest_of_closed
-                                              : largest_distance;
+      const BodySurface& surface = surfaces_[static_cast<std::size_t>(s)];
+      if (surface.is_closed != is_closed) continue;
+      double reach = reach_of(surface);
+      if (nearest.is_found()) reach = std::min(reach, nearest.distance * round_off);
       const ClosestPoint found = closest_on(s, point, reach);
       if (!found.is_found()) continue;
       if (!nearest.is_found() || found.distance < nearest.distance ||
@@ -363,8 +366,8 @@ void WallLayer::add_face(int component, const Triple& face) {
     widest = std::max(widest, (1 + 1e-9) / block_.axis[d].inverse_distance[face[d]]);
   const double reach = reach_of_ghosts * spacing(face, Eigen::Vector3d::Ones());
   const ClosestPoint closest =
-      is_solid ? closest_of_all(at, reach, reach)
-               : closest_of_all(at, settings_.blend_of_sheets * widest, settings_.blend_of_closed * widest);
+      is_solid ? closest_of_all(at, [reach](const BodySurface&) { return reach; })
+               : closest_of_all(at, [&](const BodySurface& wall) { return blend_of(wall) * widest; });
   if (!closest.is_found()) return;
   const BodySurface& surface = surfaces_[static_cast<std::size_t>(closest.surface)];
   WallValue value;
@@ -383,9 +386,10 @@ void WallLayer::add_face(int component, const Triple& face) {
   else
     away = is_outer ? normal : Eigen::Vector3d(-normal);
   const double width = spacing(face, away);
-  const double blend = surface.is_closed ? settings_.blend_of_closed : settings_.blend_of_sheets;
+  const double blend = blend_of(surface) * width;
+  if (distance >= blend) return;
   const double closed = 1 - opening_of(surface, closest);
-  const double share = (1 - distance / (blend * width)) * closed;
+  const double share = (1 - distance / blend) * closed;
   if (share <= 0) return;
   const double beyond = settings_.image_distance * width;
   double room = 0;

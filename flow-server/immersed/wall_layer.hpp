@@ -65,7 +65,8 @@ struct CutRow {
 };
 
 struct WallLayerSettings {
-  double blend_of_closed = 0.25;  // width over which the equations take over, in cells
+  /// Width over which the equations take over, in cells, beside surfaces that do not say it themselves.
+  double blend_of_closed = 0.25;
   double blend_of_sheets = 1;
   double image_distance = 1.5;  // in cells
 };
@@ -144,7 +145,9 @@ class WallLayer {
   void find_links(int component, const Triple& face);
   void add_face(int component, const Triple& face);
   void add_row(int component, const Triple& face);
-  ClosestPoint closest_of_all(const Eigen::Vector3d& point, double largest_distance, double largest_of_closed);
+  double blend_of(const BodySurface& surface) const;
+  template <class Reach>
+  ClosestPoint closest_of_all(const Eigen::Vector3d& point, const Reach& reach_of);
   ClosestPoint closest_on(int surface, const Eigen::Vector3d& point, double largest_distance);
   bool is_free(int component, const Triple& face, int e, int step) const;
   bool is_beyond_border(int component, const Triple& face) const;
