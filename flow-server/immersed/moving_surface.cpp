@@ -147,6 +147,10 @@ const BodySurface& MovingSurface::surface() const {
   return strip_ ? strip_->surface() : thick_ ? thick_->surface() : body_;
 }
 
+void MovingSurface::gather_on_shown(std::vector<Point>& corner_force) const {
+  if (strip_) strip_->gather(corner_force);
+}
+
 void MovingSurface::gather(std::vector<Point> corner_force, surface::NodeArray& nodal_force) const {
   if (strip_) strip_->gather(corner_force);
   if (thick_) thick_->gather(corner_force);

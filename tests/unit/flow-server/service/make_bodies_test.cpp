@@ -10,6 +10,7 @@
 
 #include "flow-server/immersed/body_surfaces.hpp"
 #include "flow-server/immersed/triangle_geometry.hpp"
+#include "flow-server/service/body_speed.hpp"
 #include "flow-server/service/make_navier_stokes.hpp"
 #include "proto/report/failure.hpp"
 #include "tests/unit/flow-server/immersed/placed_bodies.hpp"
@@ -126,6 +127,24 @@ TEST(MakeBodies, BlendAndEdgeOfASceneAreThoseOfThatBodyAlone) {
   EXPECT_NEAR(joined.conductance[0], 3 * usual.conductance[0], 1e-12 * usual.conductance[0]);  // round-off of a sum
   EXPECT_EQ(joined.conductance[1], usual.conductance[1]);
   EXPECT_EQ(joined.share, usual.share);
+}
+
+TEST(MakeBodies, SpeedOfBodiesIsThatOfTheirFastestPoint) {
+  const auto bodies = bodies_from(
+      "body { name: 'slow' cylinder { radius: 0.1 } joint { translation { x { expression: '0.2*sin(pi*t)' } } } } "
+      "body { name: 'fast' cylinder { centre { x: 0.5 } radius: 0.1 } joint { rotation { angle { expression: '90*t' } "
+      "} } } "
+      "body { name: 'fixed' cylinder { centre { x: -0.5 } radius: 0.1 } }",
+      2);
+  const auto fastest = fastest_body(bodies, cube(2), 1);
+  ASSERT_TRUE(fastest);
+  EXPECT_EQ(fastest->name, "fast");
+  EXPECT_NEAR(fastest->speed, 0.6 * pi / 2, 0.01);  // a node within half a triangle of the outermost point
+  EXPECT_GE(fastest->cells, fastest->speed / 0.1 * (1 - 1e-6));
+  EXPECT_LE(fastest->cells, std::sqrt(2.0) * fastest->speed / 0.1);  // |u| + |v|
+  EXPECT_FALSE(note_on_speed(bodies, cube(2), 0.05, 1));
+  EXPECT_THAT(note_on_speed(bodies, cube(2), 0.5, 1).value_or(""), HasSubstr("body 'fast' passes up to"));
+  EXPECT_FALSE(fastest_body({bodies[2]}, cube(2), 1));
 }
 
 TEST(MakeBodies, JointsOfTheCarrierComeFirst) {
