@@ -3,7 +3,7 @@
 import numpy
 from matplotlib.collections import LineCollection
 
-from figures import new_figure, svg_of
+from figures import legend_above, new_figure, svg_of
 from oscillation import thin
 from page import figure, section
 from scene_text import find
@@ -80,7 +80,7 @@ def _force_lines(run, body, axis, beside):
     total, viscous = run.history[f"body.{body}.force_{axis}"], run.history[f"body.{body}.viscous_force_{axis}"]
     lines = [("pressure and friction", total, {"color": "#333", "linewidth": 1.2}),
              ("pressure", total - viscous, {"linewidth": 0.9}), ("friction", viscous, {"linewidth": 0.9})]
-    return lines + [(f"momentum in {box}", run.history[f"{box}.force_balance_{axis}"], {"linewidth": 0.9, "linestyle": "--"}) for box in beside]
+    return lines + [(f"balance of momentum, {box}", run.history[f"{box}.force_balance_{axis}"], {"linewidth": 0.9, "linestyle": "--", "zorder": 1.5}) for box in beside]
 
 
 def _plots(run, plots, name):
@@ -97,10 +97,10 @@ def _plots(run, plots, name):
         if limits:
             axes.set_ylim(limits)
         axes.set(xlabel="time [s]", ylabel=title)
-        if len(lines) > 1:
-            axes.legend(fontsize=7.5)
     for axes in list(grid.flat)[len(plots):]:
         axes.set_visible(False)
+    if len(plots[0][1]) > 1:  # the same lines in all plots that have several
+        legend_above(chart, grid.flat[0])
     return svg_of(chart, name), goes_beyond
 
 
@@ -116,7 +116,7 @@ def forces(run):
     for body in bodies:
         beside = boxes if len(bodies) == 1 else []
         plots = [(f"force along {axis} [N]", _force_lines(run, body, axis, beside)) for axis in AXES if f"body.{body}.force_{axis}" in run.history]
-        for kind, title in [(f"moment_{axis}", f"moment about {axis} [N m]") for axis in AXES] + [("power", "power of the force on the motion [W]")]:
+        for kind, title in [(f"moment_{axis}", f"moment about {axis} [N m]") for axis in AXES] + [("power", "power on its motion [W]")]:
             if f"body.{body}.{kind}" in run.history:
                 plots.append((title, [(kind, run.history[f"body.{body}.{kind}"], {"linewidth": 0.9})]))
         picture, beyond = _plots(run, plots, f"force_{body}")

@@ -146,6 +146,7 @@ def _draw(axes, states, region, state, direction, values, title, has_sign=False,
     low, high = _limits(values if like is None else like, has_sign)
     limits = {"vmin": low, "vmax": high, "cmap": "RdBu_r" if has_sign else "viridis"}
     axes.grid(visible=False)
+    axes.set_facecolor("#d3d3da")  # where there is no fluid
     mesh = axes.pcolormesh(faces[horizontal], faces[vertical], values.T, shading="flat", **limits)
     body_sections.draw_outlines(axes, states, state, direction, _position(states, region, direction), _across(direction))
     axes.set(xlim=faces[horizontal][[0, -1]], ylim=faces[vertical][[0, -1]])

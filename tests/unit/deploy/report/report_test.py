@@ -159,7 +159,7 @@ class FlowPageTest(FolderTest):
         run = RunFolder(add_body(write_flow_run(self.folder / "run", n_cells=(32, 32, 1))))
         page = report_page(run)
         self.assertIn("<h2>Forces on bodies</h2>", page)
-        for words in ("force along x [N]", "moment about z [N m]", "power of the force on the motion [W]", "momentum in around"):
+        for words in ("force along x [N]", "moment about z [N m]", "power on its motion [W]", "balance of momentum, around"):
             self.assertIn(words, page)
         self.assertIn("results/body.block.xmf", page)
         self.assertNotIn("What else the programs reported", page)
