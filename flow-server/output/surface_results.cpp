@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <numeric>
 
 #include "flow-server/immersed/body_geometry.hpp"
 
@@ -85,38 +86,68 @@ void add_walls(const FlowPart& part, CornerSums& sums) {
   }
 }
 
-/// Values of corners that have none: the mean of neighbours that have one, from there on and on. (n_corners,
-/// n_components).
-void fill_from_neighbours(const StoredSurface& surface, std::vector<bool> has_value, int n_components,
-                          std::vector<double>& values) {
-  const auto n_corners = static_cast<std::size_t>(surface.n_corners);
-  std::vector<std::vector<std::size_t>> triangles_of(n_corners);  // of the corners that wait
-  std::vector<std::size_t> waiting;
-  for (std::size_t c = 0; c < n_corners; ++c)
-    if (!has_value[c]) waiting.push_back(c);
-  for (std::size_t t = 0; t < surface.triangle.size(); ++t)
-    for (const int corner : surface.triangle[t])
-      if (!has_value[static_cast<std::size_t>(corner)]) triangles_of[static_cast<std::size_t>(corner)].push_back(t);
-  std::vector<double> sum(static_cast<std::size_t>(n_components));
-  while (!waiting.empty()) {
-    std::vector<std::size_t> filled, still;
-    for (const std::size_t c : waiting) {
-      std::fill(sum.begin(), sum.end(), 0.0);
-      int n = 0;
-      for (const std::size_t t : triangles_of[c])
-        for (const int corner : surface.triangle[t]) {
-          const auto other = static_cast<std::size_t>(corner);
-          if (!has_value[other]) continue;
-          for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += values[other * sum.size() + i];
-          ++n;
-        }
-      (n > 0 ? filled : still).push_back(c);
-      for (std::size_t i = 0; i < sum.size() && n > 0; ++i) values[c * sum.size() + i] = sum[i] / n;
-    }
-    if (filled.empty()) return;  // the surface does not touch the fluid: nothing presses on it
-    for (const std::size_t c : filled) has_value[c] = true;
-    waiting = std::move(still);
+/// Seams are gone by then where a cell holds less than some hundred triangles.
+constexpr int most_sweeps = 20;
+
+/// Outer and inner pressure, viscous traction of a corner [Pa].
+using CornerValues = Eigen::Matrix<double, 5, 1>;
+
+/// The triangles at each corner: those of corner c are triangle[first[c]] to triangle[first[c + 1] - 1].
+struct TrianglesOfCorners {
+  explicit TrianglesOfCorners(const StoredSurface& surface)
+      : first(static_cast<std::size_t>(surface.n_corners) + 1, 0), triangle(3 * surface.triangle.size()) {
+    for (const auto& corners : surface.triangle)
+      for (const int corner : corners) ++first[static_cast<std::size_t>(corner) + 1];
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    std::vector<std::size_t> next(first.begin(), first.end() - 1);
+    for (std::size_t t = 0; t < surface.triangle.size(); ++t)
+      for (const int corner : surface.triangle[t]) triangle[next[static_cast<std::size_t>(corner)]++] = t;
   }
+  std::vector<std::size_t> first, triangle;
+};
+
+/// Values of corners that have none: the mean of neighbours that have one, and on from there, layer by layer; then as
+/// many sweeps of means of all neighbours, which take away most of the seams.
+void fill_from_neighbours(const StoredSurface& surface, std::vector<bool> has_value,
+                          std::vector<CornerValues>& values) {
+  if (std::find(has_value.begin(), has_value.end(), false) == has_value.end()) return;
+  const TrianglesOfCorners around(surface);
+  const auto visit_neighbours = [&](std::size_t c, const auto& visit) {
+    for (std::size_t t = around.first[c]; t < around.first[c + 1]; ++t)
+      for (const int corner : surface.triangle[around.triangle[t]]) visit(static_cast<std::size_t>(corner));
+  };
+  const auto take_mean = [&](std::size_t c) {
+    CornerValues sum = CornerValues::Zero();
+    int n = 0;
+    visit_neighbours(c, [&](std::size_t other) {
+      if (!has_value[other] || other == c) return;
+      sum += values[other];
+      ++n;
+    });
+    values[c] = sum / n;
+  };
+  std::vector<std::size_t> layer;
+  for (std::size_t c = 0; c < has_value.size(); ++c)
+    if (has_value[c]) layer.push_back(c);
+  std::vector<bool> is_next(has_value.size(), false);
+  std::vector<std::size_t> filled;
+  int n_layers = 0;
+  while (!layer.empty()) {  // where the surface does not touch the fluid at all nothing presses on it
+    std::vector<std::size_t> next;
+    for (const std::size_t c : layer)
+      visit_neighbours(c, [&](std::size_t other) {
+        if (has_value[other] || is_next[other]) return;
+        is_next[other] = true;
+        next.push_back(other);
+      });
+    for (const std::size_t c : next) take_mean(c);
+    for (const std::size_t c : next) has_value[c] = true;
+    filled.insert(filled.end(), next.begin(), next.end());
+    ++n_layers;
+    layer = std::move(next);
+  }
+  for (int sweep = 0; sweep < std::min(n_layers, most_sweeps); ++sweep)
+    for (const std::size_t c : filled) take_mean(c);
 }
 
 std::vector<double> flat(std::span<const Point> points) {
@@ -149,24 +180,24 @@ std::vector<SurfaceValues> measure_surfaces(const FlowPart& part, std::span<cons
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     const auto n = static_cast<std::size_t>(surfaces[s].n_corners);
     std::vector<bool> has_value(n);
-    std::vector<double> outer(n), inner(n), traction(3 * n);
+    std::vector<CornerValues> at_corner(n, CornerValues::Zero());
     for (std::size_t c = 0; c < n; ++c) {
       const Eigen::Map<WallSums> sum = sums.of(s, c);
       has_value[c] = sum[0] > 0;
       if (!has_value[c]) continue;
-      outer[c] = sum[1] / sum[0], inner[c] = sum[2] / sum[0];
-      for (std::size_t d = 0; d < 3; ++d)
-        traction[3 * c + d] = (loads[s].corner_force[c][d] - sum[static_cast<Eigen::Index>(3 + d)]) / sum[0];
+      const Eigen::Vector3d friction = Eigen::Vector3d::Map(loads[s].corner_force[c].data()) - sum.tail<3>();
+      at_corner[c] << sum[1] / sum[0], sum[2] / sum[0], friction / sum[0];
     }
-    fill_from_neighbours(surfaces[s], has_value, 1, outer);
-    fill_from_neighbours(surfaces[s], has_value, 3, traction);
+    fill_from_neighbours(surfaces[s], has_value, at_corner);
+    std::vector<double> outer, inner, traction;
+    for (const CornerValues& value : at_corner) {
+      outer.push_back(value[0]), inner.push_back(value[1]);
+      traction.insert(traction.end(), value.data() + 2, value.data() + 5);
+    }
     SurfaceValues values{flat({bodies[s].position.data(), n}), flat({bodies[s].velocity.data(), n}), flat(force[s])};
-    if (surfaces[s].has_two_sides) {
-      fill_from_neighbours(surfaces[s], has_value, 1, inner);
-      values.insert(values.end(), {outer, inner, traction});
-    } else {
-      values.insert(values.end(), {outer, traction});
-    }
+    values.push_back(std::move(outer));
+    if (surfaces[s].has_two_sides) values.push_back(std::move(inner));
+    values.push_back(std::move(traction));
     all.push_back(std::move(values));
   }
   return all;
