@@ -165,14 +165,14 @@ struct GeometryParts {
   GeometryParts(const FlowBlock& block, const BodyFlowSettings& settings)
       : crossings(*block.grid, block.decomposition->mine(), 4),
         cut(*block.grid, crossings),
-        pieces(block, cut, settings.edge),
+        pieces(block, cut),
         layer(block, cut, settings.wall) {}
 
   void place(std::vector<BodySurface> moved, const FlowBlock& block, Seconds& seconds) {
     surfaces = std::move(moved);
     take_time(seconds.crossings, [&] { crossings.update(surfaces); });
     take_time(seconds.cut_cells, [&] { cut.update(surfaces); });
-    take_time(seconds.pieces, [&] { pieces.update(); });
+    take_time(seconds.pieces, [&] { pieces.update(surfaces); });
     take_time(seconds.trees, [&] {
       for (std::size_t s = 0; s < surfaces.size(); ++s) {
         const std::array<SurfaceInTree, 1> in_tree{

@@ -211,6 +211,18 @@ TEST(NavierStokesModel, SaysOfBodiesThatTheGridDoesNotSee) {
   EXPECT_THAT(later.notes()[0], HasSubstr("body 'bar' at t = 0: lies outside the grid"));
 }
 
+TEST(NavierStokesModel, SaysWhereABodyLeaves) {
+  const TimeFormula out{[](double t) { return 2 * t; }, 1e-3};
+  NavierStokesModel model(around_an_ellipse({2.5, 0}, {0.2, 0.2}, {Translation{{out, 0.0, 0.0}}}), MPI_COMM_WORLD);
+  try {
+    take_steps(model, 20);
+    FAIL() << "a body has left the grid";
+  } catch (const report::NumericsError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("moves through an open border of the grid, x end at x = 3 m: it reaches to x = "));
+  }
+}
+
 TEST(NavierStokesModel, NamesWhatItMeasures) {
   NavierStokesModel model(duct(TimeScheme::adams_bashforth, false), MPI_COMM_WORLD);
   model.solve_step(0.01, {});
