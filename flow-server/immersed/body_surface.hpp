@@ -2,6 +2,7 @@
 // A surface in the flow at one time, as triangles.
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,11 @@ struct BodySurface {
   /// across a smooth free edge, where the triangles go on beyond the sheet, and further above 1 to their end: at a
   /// place between corners it is min(sum of weight opening, 1), cut off after the interpolation and nowhere else.
   std::vector<double> opening;  // (n_corners)
+  /// Width of the layer in which the velocity is blended with the wall's, in cells; not set: as WallLayerSettings say.
+  std::optional<double> blend_width = {};
+  /// K of a smooth free edge, which joins both sides of a sheet inside a cell:
+  ///     conductance = K * (integral over the wall of o / (1 - o + 0.02)) / cell width, o being the opening
+  double edge_conductance = 1;  // [1]
 };
 
 }  // namespace couplet::flow

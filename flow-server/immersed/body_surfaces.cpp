@@ -140,6 +140,12 @@ void BodySurfaces::accept_motion() {
   }
 }
 
+std::vector<Point> BodySurfaces::shown_force(int index, std::span<const Point> corner_force) const {
+  std::vector<Point> force(corner_force.begin(), corner_force.end());
+  bodies_[static_cast<std::size_t>(index)].surface.gather_on_shown(force);
+  return force;
+}
+
 surface::NodeArray BodySurfaces::nodal_force(int index, std::span<const Point> corner_force) const {
   surface::NodeArray nodal;
   bodies_[static_cast<std::size_t>(index)].surface.gather({corner_force.begin(), corner_force.end()}, nodal);

@@ -97,6 +97,8 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
   body_.name = body.name;
   body_.is_closed = body.is_closed;
   body_.is_lumen = body.is_closed && body.fluid == FluidSide::inside;
+  body_.blend_width = body.blend_width;
+  body_.edge_conductance = body.edge_conductance;
   body_.triangle = tessellation_.triangle();
   tessellation_.interpolate(body.mesh.node_position, body_.position);
   body_.velocity.assign(body_.position.size(), Point{});
@@ -143,6 +145,10 @@ void MovingSurface::follow(const surface::NodeArray& node_position, const surfac
 
 const BodySurface& MovingSurface::surface() const {
   return strip_ ? strip_->surface() : thick_ ? thick_->surface() : body_;
+}
+
+void MovingSurface::gather_on_shown(std::vector<Point>& corner_force) const {
+  if (strip_) strip_->gather(corner_force);
 }
 
 void MovingSurface::gather(std::vector<Point> corner_force, surface::NodeArray& nodal_force) const {

@@ -55,16 +55,14 @@ ClosestPoint NearestWall::on(int surface, const Eigen::Vector3d& place, double l
   return closest;
 }
 
-ClosestPoint NearestWall::on_any(const Eigen::Vector3d& place, double largest_distance, double largest_of_closed,
-                                 NearbyWalls& nearby) {
+ClosestPoint NearestWall::on_any(const Eigen::Vector3d& place, const Reach& reach_of, NearbyWalls& nearby) {
   constexpr double round_off = 1 + 1e-12;  // surfaces at the same distance are both found
   ClosestPoint nearest;
   for (const bool is_closed : {false, true})
     for (int s = 0; s < static_cast<int>(trees_.size()); ++s) {
       if (surface(s).is_closed != is_closed || !nearby.surfaces.contains(s)) continue;
-      const double reach = nearest.is_found() ? nearest.distance * round_off
-                           : is_closed        ? largest_of_closed
-                                              : largest_distance;
+      double reach = reach_of(surface(s));
+      if (nearest.is_found()) reach = std::min(reach, nearest.distance * round_off);
       const ClosestPoint found = on(s, place, reach, nearby);
       if (!found.is_found()) continue;
       if (!nearest.is_found() || found.distance < nearest.distance ||

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -38,10 +39,11 @@ class NearestWall {
 
   /// On one surface.
   ClosestPoint on(int surface, const Eigen::Vector3d& place, double largest_distance, NearbyWalls& nearby);
-  /// On those that cut cells around the place; of some at the same distance the first one counts. Closed ones farther
-  /// than `largest_of_closed` are overlooked where there is no sheet.
-  ClosestPoint on_any(const Eigen::Vector3d& place, double largest_distance, double largest_of_closed,
-                      NearbyWalls& nearby);
+  /// How far a surface is looked for [m].
+  using Reach = std::function<double(const BodySurface&)>;
+  /// On those that cut cells around the place; of some at the same distance the first one counts. Each is overlooked
+  /// beyond its own reach.
+  ClosestPoint on_any(const Eigen::Vector3d& place, const Reach& reach_of, NearbyWalls& nearby);
   /// Whether all surfaces that cut cells around the place stand still.
   bool are_at_rest(const NearbyWalls& nearby) const;
 

@@ -34,7 +34,7 @@ PressureUnknown PressurePieces::unknown_of(int part, const Triple& cell) const {
   return {cell, further < 0 ? -1 : place_in_list_[static_cast<std::size_t>(further)]};
 }
 
-void PressurePieces::update() {
+void PressurePieces::update(std::span<const BodySurface> surfaces) {
   shares_.clear();
   split_.cell.clear(), split_.links.clear();
   listed_.clear();
@@ -54,7 +54,7 @@ void PressurePieces::update() {
     add_middle_slope(cut_.faces()[f]);
     if (!has_plain_slope(cut_.faces()[f])) faces_of_own_slope_.push_back(static_cast<int>(f));
   }
-  for (const CutCell& cut : cut_.cells()) add_free_edges(cut);
+  for (const CutCell& cut : cut_.cells()) add_free_edges(cut, surfaces);
 }
 
 void PressurePieces::add_face(const CutFace& face) {
@@ -83,7 +83,7 @@ void PressurePieces::add_face(const CutFace& face) {
   shares_.push_back({d, face.face, static_cast<float>(share)});
 }
 
-void PressurePieces::add_free_edges(const CutCell& cut) {
+void PressurePieces::add_free_edges(const CutCell& cut, std::span<const BodySurface> surfaces) {
   if (!box_of(block_.sizes).contains(cut.cell)) return;
   for (int w = cut.first_wall; w < cut.first_wall + cut.n_walls; ++w) {
     const WallTriangle& wall = cut_.walls()[static_cast<std::size_t>(w)];
@@ -97,8 +97,8 @@ void PressurePieces::add_free_edges(const CutCell& cut) {
     for (int d = 0; d < block_.n_dimensions; ++d)
       square += std::pow(wall.area[d] * block_.axis[d].width[cut.cell[d]], 2);
     if (square == 0) continue;
-    const double conductance =
-        edge_.strength * area * area / std::sqrt(square) * wall.opening / (1 - wall.opening + least_closed);
+    const double conductance = surfaces[static_cast<std::size_t>(wall.surface)].edge_conductance * area * area /
+                               std::sqrt(square) * wall.opening / (1 - wall.opening + least_closed);
     split_.links.push_back({outer, inner, conductance});
   }
 }

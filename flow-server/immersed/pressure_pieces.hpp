@@ -10,21 +10,14 @@
 
 namespace couplet::flow {
 
-/// How a smooth free edge joins both sides of a sheet inside a cell: conductance = strength * (integral over the wall
-/// of o / (1 - o + 0.02)) / cell width, o being the opening.
-struct FreeEdgeSettings {
-  double strength = 1;
-};
-
 /// The unknowns of the pressure at one position of the bodies. Values of further pieces are in the order of
 /// CutCells::further_parts().
 class PressurePieces {
  public:
-  PressurePieces(const FlowBlock& block, const CutCells& cut, const FreeEdgeSettings& edge)
-      : block_(block), cut_(cut), edge_(edge) {}
+  PressurePieces(const FlowBlock& block, const CutCells& cut) : block_(block), cut_(cut) {}
 
-  /// From the present cut cells.
-  void update();
+  /// From the present cut cells, which were made of these surfaces.
+  void update(std::span<const BodySurface> surfaces);
 
   /// Share of the face that joins the fields' places of the cells on both sides; of all faces beside cut cells of this
   /// rank and one layer around it.
@@ -58,11 +51,10 @@ class PressurePieces {
   bool is_given(const Triple& cell) const;  // to the solver: of this rank and one layer around it
   void add_face(const CutFace& face);
   void add_middle_slope(const CutFace& face);
-  void add_free_edges(const CutCell& cut);
+  void add_free_edges(const CutCell& cut, std::span<const BodySurface> surfaces);
 
   const FlowBlock& block_;
   const CutCells& cut_;
-  FreeEdgeSettings edge_;
   std::vector<FaceShare> shares_;
   SplitCells split_;
   std::vector<int> listed_, faces_of_own_slope_;

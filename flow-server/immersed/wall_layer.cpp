@@ -203,6 +203,10 @@ double WallLayer::spacing(const Triple& cell, const Eigen::Vector3d& direction) 
   return std::sqrt(square);
 }
 
+double WallLayer::blend_of(const BodySurface& surface) const {
+  return surface.blend_width.value_or(surface.is_closed ? settings_.blend_of_closed : settings_.blend_of_sheets);
+}
+
 void WallLayer::add_face(int component, const Triple& face) {
   const Eigen::Vector3d at = position(component, face);
   NearbyWalls& nearby = entry(component, face).walls;
@@ -219,8 +223,9 @@ void WallLayer::add_face(int component, const Triple& face) {
     widest = std::max(widest, (1 + 1e-9) / block_.axis[d].inverse_distance[face[d]]);
   const double reach = reach_of_ghosts * spacing(face, Eigen::Vector3d::Ones());
   const ClosestPoint closest =
-      is_solid ? nearest_.on_any(at, reach, reach, nearby)
-               : nearest_.on_any(at, settings_.blend_of_sheets * widest, settings_.blend_of_closed * widest, nearby);
+      is_solid
+          ? nearest_.on_any(at, [reach](const BodySurface&) { return reach; }, nearby)
+          : nearest_.on_any(at, [&](const BodySurface& wall) { return blend_of(wall) * widest; }, nearby);
   if (!closest.is_found()) return;
   const BodySurface& surface = nearest_.surface(closest.surface);
   value.wall_velocity = nearest_.velocity(closest, component);
@@ -237,9 +242,10 @@ void WallLayer::add_face(int component, const Triple& face) {
   else
     away = is_outer ? normal : Eigen::Vector3d(-normal);
   const double width = spacing(face, away);
-  const double blend = surface.is_closed ? settings_.blend_of_closed : settings_.blend_of_sheets;
+  const double blend = blend_of(surface) * width;
+  if (distance >= blend) return;
   const double closed = 1 - nearest_.opening(closest);
-  const double share = (1 - distance / (blend * width)) * closed;
+  const double share = (1 - distance / blend) * closed;
   if (share <= 0) return;
   const double beyond = settings_.image_distance * width;
   double room = 0;

@@ -76,7 +76,8 @@ struct CutRow {
 };
 
 struct WallLayerSettings {
-  double blend_of_closed = 0.25;  // width over which the equations take over, in cells
+  /// Width over which the equations take over, in cells, beside surfaces that do not say it themselves.
+  double blend_of_closed = 0.25;
   double blend_of_sheets = 1;
   double image_distance = 1.5;  // of the nearer image, in cells
 };
@@ -160,6 +161,7 @@ class WallLayer {
   void add_face(int component, const Triple& face);
   void add_row(int component, const Triple& face);
   Sight sight_to(int component, const Triple& face, int e, int step) const;
+  double blend_of(const BodySurface& surface) const;
   bool is_beyond_border(int component, const Triple& face) const;
   void set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
                   double near, const Triple& from) const;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flow-server/immersed/body_geometry.hpp"
+
 namespace couplet::flow {
 
 namespace {
@@ -42,6 +44,44 @@ double square(double x) {
 }
 
 }  // namespace
+
+/// The parts that hold fluid are closed by pieces of faces and by walls: V = 1/n integral of (x - x_0) . n dA in n
+/// dimensions, x_0 the middle of the cell.
+double fluid_share(const FlowPart& part, const Triple& cell) {
+  if (!part.active.contains(cell[0], cell[1], cell[2])) return 0;
+  if (!part.state.bodies) return 1;
+  const CutCells& cut = part.state.bodies->cut();
+  const int index = cut.find(cell);
+  if (index < 0) return cut.is_solid(cell) ? 0 : 1;
+  const CutCell& cut_cell = cut.cells()[static_cast<std::size_t>(index)];
+  const auto is_fluid = [&](int p) { return p >= 0 && cut.parts()[static_cast<std::size_t>(p)].is_fluid; };
+  Triple global;
+  Eigen::Vector3d centre;
+  for (int d = 0; d < 3; ++d) {
+    global[d] = cell[d] + part.origin()[d];
+    centre[d] = part.grid.axis[d].centre(global[d]);
+  }
+  const double volume = part.grid.volume(global);
+  double sum = 0;
+  for (int d = 0; d < part.grid.n_dimensions; ++d)
+    for (const int side : {0, 1}) {
+      Triple face = cell;
+      face[d] -= side == 0 ? 1 : 0;
+      const CutFace& cut_face = cut.faces()[static_cast<std::size_t>(cut.find_face(d, face))];
+      for (int p = cut_face.first_piece; p < cut_face.first_piece + cut_face.n_pieces; ++p) {
+        const FacePiece& piece = cut.pieces()[static_cast<std::size_t>(p)];
+        // (x - x_0) . n is half the width of the cell, the area of a whole face its volume over that width.
+        if (is_fluid(side == 0 ? piece.upper_part : piece.lower_part)) sum += 0.5 * piece.share * volume;
+      }
+    }
+  for (int w = cut_cell.first_wall; w < cut_cell.first_wall + cut_cell.n_walls; ++w) {
+    const WallTriangle& wall = cut.walls()[static_cast<std::size_t>(w)];
+    const double flux = (wall.centroid - centre).dot(wall.area);
+    if (is_fluid(wall.inner_part)) sum += flux;
+    if (is_fluid(wall.outer_part)) sum -= flux;
+  }
+  return std::clamp(sum / (part.grid.n_dimensions * volume), 0.0, 1.0);
+}
 
 IntegralQuantities integrate(const FlowPart& part, double density, double viscosity) {
   const Triple sizes = part.decomposition.mine().sizes(), origin = part.origin();
@@ -101,7 +141,8 @@ IntegralQuantities integrate(const FlowPart& part, double density, double viscos
         spacing[1].width[static_cast<std::size_t>(j + 1)] * spacing[2].width[static_cast<std::size_t>(k + 1)];
     double energy_sum = 0, strain_sum = 0, rotation_sum = 0;
     for (int i = begin; i < end; ++i) {
-      const double volume = area * spacing[0].width[static_cast<std::size_t>(i + 1)];
+      double volume = area * spacing[0].width[static_cast<std::size_t>(i + 1)];
+      if (part.state.bodies) volume *= fluid_share(part, {i, j, k});
       energy_sum += volume * e[i];
       strain_sum += volume * s[i];
       rotation_sum += volume * w[i];

@@ -24,7 +24,11 @@ struct FlowPart {
   const Triple& origin() const { return decomposition.mine().begin; }
 };
 
-/// Sums over all cells that hold fluid.
+/// Share of the volume of a cell, local indices, that holds fluid: 0 inside bodies and in cells that are not active;
+/// of cut cells the exact volume of their fluid parts, whose faces and walls are planes.
+double fluid_share(const FlowPart& part, const Triple& cell);
+
+/// Sums over all cells that hold fluid; cells that surfaces cut count by their share of it.
 struct IntegralQuantities {
   double kinetic_energy = 0;  // rho / 2 integral of u^2, on the faces where the components stand [J]
   double dissipation = 0;     // mu integral of 2 S : S [W]

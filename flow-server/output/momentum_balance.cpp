@@ -76,7 +76,7 @@ Box cells_of(const StretchedGrid& grid, const BalanceBox& box) {
     while (cells.begin[d] < cells.end[d] && axis.centre(cells.begin[d]) < box.from[d]) ++cells.begin[d];
     while (cells.end[d] > cells.begin[d] && axis.centre(cells.end[d] - 1) > box.to[d]) --cells.end[d];
     if (cells.size(d) < least_cells)
-      throw report::SceneError("box '" + box.name + "'",
+      throw report::SceneError("flow.navier_stokes.momentum_balance '" + box.name + "'",
                                "has " + std::to_string(cells.size(d)) + " cells along " + "xyz"[d],
                                "give at least " + std::to_string(least_cells) + ", with the bodies well inside");
   }

@@ -204,7 +204,7 @@ BodySetup make_body(const v1::NavierStokes& model, const v1::FlowBody& body, con
   // Flat faces bound a body as well as small ones do.
   setup.largest_side = body.has_file() && !thin && !body.has_largest_triangle() ? 0 : side;
   setup.motion = PrescribedMotion(make_joints(model, body, time_step));
-  setup.blend_width = body.has_blend_width() ? body.blend_width() : thin ? 1 : 0.25;
+  if (body.has_blend_width()) setup.blend_width = body.blend_width();
   setup.edge = {body.edge().ramp_length(), body.edge().ramp_shift()};
   setup.edge_conductance = body.edge().conductance();
   for (const v1::Box& box : body.edge().attached()) setup.attached.push_back(make_attached(box));

@@ -31,21 +31,14 @@ bool is_thin(const v1::FlowBody& body) {
          (body.has_coupled() && body.coupled().kind() == v1::CoupledSurface::THIN);
 }
 
-/// A body's name is that of its file of results, and others name it.
+/// A body's name is that of its results, and others name it.
 void names_differ(const v1::NavierStokes& model, Review& review) {
-  std::set<std::string> bodies, fields;
-  for (const v1::FieldOutput& field : model.field()) fields.insert(field.name());
-  if (model.field_size() == 0) fields.insert(v1::FieldOutput::default_instance().name());
+  std::set<std::string> bodies;
   for (int i = 0; i < model.body_size(); ++i) {
     const std::string& name = model.body(i).name();
     if (name.empty()) continue;
     if (!bodies.insert(name).second)
       review.complain(entry(i) + ".name", "\"" + name + "\" is the name of another body; give each its own name");
-    if (fields.count(name) > 0) {
-      review.complain(entry(i) + ".name", "\"" + name +
-                                              "\" is the name of a stored field too, and both are written to results/" +
-                                              name + ".xmf; give another name");
-    }
   }
 }
 
@@ -268,6 +261,9 @@ void solid_is_one_body(const v1::Scene& scene, Review& review) {
       review.complain(entry(i) + ".joint[0]",
                       "the solid moves its surface; delete it, or give solid.prescribed_motion");
     if (body.has_moves_with()) review.complain(entry(i) + ".moves_with", "the solid moves its surface; delete it");
+    if (body.moment_about().carried())
+      review.complain(entry(i) + ".moment_about.carried",
+                      "the solid has no joints that could carry the point; delete it");
   }
   if (scene.has_solid() && n_coupled == 0)
     review.complain_missing(model_path + ".body",

@@ -160,14 +160,14 @@ struct GeometryParts {
   GeometryParts(const FlowBlock& block, const BodyFlowSettings& settings)
       : crossings(*block.grid, block.decomposition->mine(), 4),
         cut(*block.grid, crossings),
-        pieces(block, cut, settings.edge),
+        pieces(block, cut),
         layer(block, cut, settings.wall) {}
 
   void place(std::vector<BodySurface> moved, const FlowBlock& block, const StepClock& clock, Seconds& seconds) {
     surfaces = std::move(moved);
     seconds.crossings += clock.seconds([&] { crossings.update(surfaces); });
     seconds.cut_cells += clock.seconds([&] { cut.update(surfaces); });
-    seconds.pieces += clock.seconds([&] { pieces.update(); });
+    seconds.pieces += clock.seconds([&] { pieces.update(surfaces); });
     seconds.trees += clock.seconds([&] {
       for (std::size_t s = 0; s < surfaces.size(); ++s) {
         const std::array<SurfaceInTree, 1> in_tree{

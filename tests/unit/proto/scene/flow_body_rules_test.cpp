@@ -74,10 +74,6 @@ TEST(FlowBodyRules, TakeGoodBodies) {
 TEST(FlowBodyRules, WantNamesOfTheirOwn) {
   EXPECT_THAT(complaints_with("\"rod\"", "\"wall\""),
               ElementsAre(at(25, 12, "[3].name", "\"wall\" is the name of another body; give each its own name")));
-  EXPECT_THAT(complaints_with("\"rod\"", "\"flow\""),
-              ElementsAre(at(25, 12, "[3].name",
-                             "\"flow\" is the name of a stored field too, and both are written to results/flow.xmf; "
-                             "give another name")));
 }
 
 TEST(FlowBodyRules, WantBodiesThatHangOnOthers) {
