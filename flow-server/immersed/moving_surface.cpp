@@ -97,6 +97,7 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
   body_.name = body.name;
   body_.is_closed = body.is_closed;
   body_.is_lumen = body.is_closed && body.fluid == FluidSide::inside;
+  body_.is_fixed = body.is_closed && body.motion.is_fixed() && !body.is_moved_from_outside;
   body_.triangle = tessellation_.triangle();
   tessellation_.interpolate(body.mesh.node_position, body_.position);
   body_.velocity.assign(body_.position.size(), Point{});
