@@ -284,11 +284,13 @@ surface::SurfaceMesh make_revolved_body(const std::vector<PlanePoint>& outline, 
   }
   const int first = mesh.add_node({profile.front()[0], 0, 0}), last = mesh.add_node({profile.back()[0], 0, 0});
   const auto node = [n](int i, int ring) { return ring * n + i % n; };
-  // Where x grows along the outline, one who goes along it has the fluid on the left, and the angle goes to the right.
-  add_rows(mesh, n, n_rings - 1, [&](int i, int ring) { return node(n - i, ring); });
+  // The angle turns from y to z: the way round x the way along x points out.
+  const bool is_forward = outline.back()[0] > outline.front()[0];
+  const auto around = [&](int i) { return is_forward ? i : n - i; };
+  add_rows(mesh, n, n_rings - 1, [&](int i, int ring) { return node(around(i), ring); });
   for (int i = 0; i < n; ++i) {
-    mesh.add_triangle(first, node(i + 1, 0), node(i, 0));
-    mesh.add_triangle(last, node(i, n_rings - 1), node(i + 1, n_rings - 1));
+    mesh.add_triangle(first, node(around(i + 1), 0), node(around(i), 0));
+    mesh.add_triangle(last, node(around(i), n_rings - 1), node(around(i + 1), n_rings - 1));
   }
   return mesh.take();
 }
@@ -296,7 +298,7 @@ surface::SurfaceMesh make_revolved_body(const std::vector<PlanePoint>& outline, 
 surface::SurfaceMesh make_ruled_sheet(const std::vector<Point>& first_edge, const std::vector<Point>& second_edge,
                                       double largest_side) {
   assert(first_edge.size() == second_edge.size() && first_edge.size() >= 2);
-  const double side = largest_side / std::numbers::sqrt2;
+  const double side = 0.5 * largest_side;  // no diagonal is longer than two sides, however sheared they are
   double width = 0;
   for (std::size_t i = 0; i < first_edge.size(); ++i) width = std::max(width, length(second_edge[i] - first_edge[i]));
   const int n_across = parts_of(width, side);

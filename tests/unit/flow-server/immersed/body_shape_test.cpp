@@ -111,9 +111,11 @@ TEST(BodyShape, ATubeFacesItsAxis) {
 }
 
 TEST(BodyShape, RevolvedBodiesAreClosed) {
-  // Two cones on a common base of radius 1/2: V = pi r^2 h / 3 but for the chords of the base.
+  // From either end. Two cones on a common base of radius 1/2: V = pi r^2 h / 3 but for the chords of the base.
   std::vector<double> error;
   for (const double side : {0.1, 0.05}) {
+    BodySurface turned = surface_of(make_revolved_body({{2, 0}, {0, 0.5}, {-1, 0}}, side), true);
+    EXPECT_GT(volume_of(turned), 0);
     BodySurface body = surface_of(make_revolved_body({{-1, 0}, {0, 0.5}, {2, 0}}, side), true);
     EXPECT_LE(longest_side(body, 3), side * (1 + 1e-12));
     error.push_back(1 - volume_of(body) / (pi * 0.25 * 3 / 3));
