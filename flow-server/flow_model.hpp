@@ -37,7 +37,7 @@ class FlowModel {
   virtual void align_time(double accepted_time) = 0;
 
   /// Solves from the accepted state over `duration` [s] to the moved surface at its end. Changes the trial state only;
-  /// equal arguments give equal bits. Throws NumericsError when there is no solution.
+  /// equal arguments in equal order since then give equal bits. Throws NumericsError when there is no solution.
   virtual void solve_step(double duration, const surface::FieldSet& motion) = 0;
 
   /// Force of the fluid on the interface nodes (n_nodes, 3) [N], of the last solve; before the first one of the

@@ -59,6 +59,25 @@ std::string listen_address(const v1::Scene& scene, const std::filesystem::path& 
   return scene.coupling().has_listen() ? scene.coupling().listen() : "ipc://" + (socket_folder / name).string();
 }
 
+/// --bind-to none and yielding: the default would put waiting and working processes on the same core.
+ProgramStart mpi_job(const Words& processes, const std::string& owner_of_time) {
+  Words command{"mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output"};
+  add(command, processes);
+  return {
+      "mpirun",
+      command,
+      {{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}, {"OMPI_MCA_mpi_yield_when_idle", "1"}},
+      {},
+      owner_of_time};
+}
+
+/// The same program, as often as there are ranks.
+ProgramStart on_ranks(int n_ranks, const ProgramStart& one) {
+  Words processes{"-n", std::to_string(n_ranks)};
+  add(processes, one.command);
+  return mpi_job(processes, one.name);
+}
+
 LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
                        const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder) {
   LaunchPlan plan;
@@ -72,24 +91,15 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
     if (scene.coupling().has_listen())
       add(command, {"--allow-remote"});  // the scene names the address: that is the permission
     if (name == "solid") add(command, thread_arguments(options));
-    plan.servers.push_back({program, command, {}, "--" + name, {}});
+    ProgramStart server{program, command, {}, {}, {}};
+    if (name == "flow" && options.flow_ranks > 1) server = on_ranks(options.flow_ranks, server);
+    server.address_option = "--" + name;
+    plan.servers.push_back(server);
   }
   Words command{installation.program("coupler"), "run"};
   add(command, run_arguments(options, run_folder));
   plan.leader = {"coupler", command, {}, {}, {}};
   return plan;
-}
-
-/// --bind-to none and yielding: the default would put waiting and working processes on the same core.
-ProgramStart mpi_job(const Words& processes, const std::string& owner_of_time) {
-  Words command{"mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output"};
-  add(command, processes);
-  return {
-      "mpirun",
-      command,
-      {{"OMPI_ALLOW_RUN_AS_ROOT", "1"}, {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"}, {"OMPI_MCA_mpi_yield_when_idle", "1"}},
-      {},
-      owner_of_time};
 }
 
 /// One job of three programs.
@@ -108,11 +118,9 @@ LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
 
 ProgramStart flow_alone(const RunOptions& options, const Installation& installation,
                         const std::filesystem::path& run_folder) {
-  const ProgramStart one = alone("flow-server", {}, options, installation, run_folder);
-  if (options.flow_ranks <= 1) return one;
-  Words processes{"-n", std::to_string(options.flow_ranks)};
-  add(processes, one.command);
-  return mpi_job(processes, "flow-server");
+  ProgramStart start = alone("flow-server", {}, options, installation, run_folder);
+  if (options.flow_ranks > 1) start = on_ranks(options.flow_ranks, start);
+  return start;
 }
 
 }  // namespace

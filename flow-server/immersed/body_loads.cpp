@@ -240,9 +240,7 @@ Eigen::Vector3d BodyLoads::normal_derivative(const BodyGeometry& bodies, const V
     const Eigen::Vector3d point = patch.centre + distance * normal;
     const std::optional<Triple> from = FaceOfPart(bodies, block_, c, point).find(patch.cell, part);
     if (!from) return sample;
-    WallValue around;
-    around.component = c;
-    bodies.layer().set_image(around, point, *from);
+    const WallImage around = bodies.layer().image_at(c, point, *from);
     for (std::size_t n = 0; n < around.weight.size(); ++n) {
       const double weight = around.weight[n];
       if (weight == 0) continue;

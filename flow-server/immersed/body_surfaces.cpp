@@ -41,6 +41,9 @@ BodySetup completed(BodySetup setup, const StretchedGrid& grid) {
   return setup;
 }
 
+/// What a body may miss of the places it is given in the iterations of a step, in smallest cells around it.
+constexpr double share_of_cell_kept = 1e-4;
+
 /// Steps of the flow that are summed arrive at the end of theirs but for round-off: as a share of the whole.
 constexpr double round_off_of_times = 1e-9;
 
@@ -78,7 +81,8 @@ BodySurfaces::BodySurfaces(std::vector<BodySetup> bodies, const StretchedGrid& g
       MovingSurface surface(setup, grid, closed);
       notes_.insert(notes_.end(), surface.notes().begin(), surface.notes().end());
       if (setup.is_closed) closed.push_back(surface.surface());
-      made[b] = Body{std::move(setup), std::move(surface), {}, {}};
+      const double kept = share_of_cell_kept * smallest_width_around(grid, setup.mesh);
+      made[b] = Body{std::move(setup), std::move(surface), kept, {}, {}};
     }
   for (std::optional<Body>& body : made) bodies_.push_back(std::move(*body));
 }
@@ -122,6 +126,9 @@ void BodySurfaces::set_motion(int index, NodalMotion end) {
     throw report::SceneError(named(body.setup), "is given a motion at t = " + report::text(end.time) +
                                                     " s, not behind the start of the step at " +
                                                     report::text(body.start->time) + " s");
+  if (body.end && body.end->time == end.time &&
+      (end.displacement - body.end->displacement).cwiseAbs().maxCoeff() < body.kept_distance)
+    end.displacement = body.end->displacement;
   body.end = std::move(end);
 }
 

@@ -38,19 +38,19 @@ double WallForcing::slope_of_face(const BodyGeometry& bodies, const Field<double
 
 WallForcing::Imposed WallForcing::imposed(const BodyGeometry& now, const WallValue& value,
                                           const Field<double>& pressure, const Field<double>& velocity) const {
-  double image = 0, slope = 0, sum = 0;
+  const WallImage& near = value.image[0];
+  double slope = 0, sum = 0;
   for (std::size_t n = 0; n < 8; ++n) {
-    const double weight = value.weight[n];
+    const double weight = near.weight[n];
     if (weight == 0) continue;
-    const Triple face{value.base[0] + static_cast<int>(n & 1u), value.base[1] + static_cast<int>((n >> 1) & 1u),
-                      value.base[2] + static_cast<int>((n >> 2) & 1u)};
-    image += weight * velocity(face[0], face[1], face[2]);
+    const Triple face{near.base[0] + static_cast<int>(n & 1u), near.base[1] + static_cast<int>((n >> 1) & 1u),
+                      near.base[2] + static_cast<int>((n >> 2) & 1u)};
     slope +=
         weight * (now.layer().is_near(value.component, face) ? slope_[value.component](face[0], face[1], face[2])
                                                              : slope_between_cells(pressure, value.component, face));
     sum += weight;
   }
-  return {value.wall_velocity + value.ratio * (image - sum * value.wall_velocity), sum > 0 ? slope / sum : 0};
+  return {WallLayer::value_of(value, velocity), sum > 0 ? slope / sum : 0};
 }
 
 /// Neighbours that a face sees, as far as they are near walls and stayed on their side.

@@ -19,6 +19,10 @@ constexpr double reach_of_ghosts = 3;
 constexpr double chord_sagitta = 0.2;
 /// Weights that sum to this are all of them, or none to speak of.
 constexpr double nearly_all = 0.95, hidden = 0.2;
+/// Where less of an image is seen no parabola is drawn through it.
+constexpr double least_seen = 0.75;
+/// Distances of the images from the wall: a cell apart. Farther ones would need more layers of neighbours' cells.
+constexpr double far_over_near = 5.0 / 3;
 /// Blocked by more than this a link is none for interpolation.
 constexpr double blocks = 0.5;
 
@@ -52,6 +56,10 @@ double opening_of(const BodySurface& surface, const ClosestPoint& at) {
 
 Eigen::Vector3d vector(const Point& point) {
   return {point[0], point[1], point[2]};
+}
+
+double seen_of(const WallImage& image) {
+  return std::accumulate(image.weight.begin(), image.weight.end(), 0.0);
 }
 
 }  // namespace
@@ -240,25 +248,45 @@ double WallLayer::spacing(const Triple& cell, const Eigen::Vector3d& direction) 
   return std::sqrt(square);
 }
 
-/// Weights of the faces around the image point that `from` can reach by links among the faces between both.
-void WallLayer::set_image(WallValue& value, const Eigen::Vector3d& image, const Triple& from) const {
-  const int c = value.component;
+/// Weights of the faces around a point that `from` can reach by links among the faces between both.
+WallImage WallLayer::image_at(int c, const Eigen::Vector3d& point, const Triple& from) const {
+  WallImage image;
   Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  value.base = from;
+  image.base = from;
   for (int d = 0; d < block_.n_dimensions; ++d) {
     const AxisValues& at = d == c ? block_.axis[d].face : block_.axis[d].centre;
     int i = from[d];
     const int least = -axis_margin, most = block_.sizes[d] + axis_margin - 2;
-    while (i > least && at[i] > image[d]) --i;
-    while (i < most && at[i + 1] <= image[d]) ++i;
-    value.base[d] = i;
-    place[d] = std::clamp((image[d] - at[i]) / (at[i + 1] - at[i]), 0.0, 1.0);
+    while (i > least && at[i] > point[d]) --i;
+    while (i < most && at[i + 1] <= point[d]) ++i;
+    image.base[d] = i;
+    place[d] = std::clamp((point[d] - at[i]) / (at[i + 1] - at[i]), 0.0, 1.0);
   }
   // First along the shortest ways; where these are barred, by a corner of the wall for example, by ways around too.
   for (const int detour : {0, 1}) {
-    weigh_seen_faces(value, place, from, detour);
-    if (std::accumulate(value.weight.begin(), value.weight.end(), 0.0) > nearly_all) break;
+    weigh_seen_faces(c, image, place, from, detour);
+    if (seen_of(image) > nearly_all) break;
   }
+  return image;
+}
+
+/// The images of a value at `distance` from the nearest point of a wall along `away`, negative behind it; the first one
+/// at the distance `near`.
+void WallLayer::set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
+                           double near, const Triple& from) const {
+  value.image[0] = image_at(value.component, wall + near * away, from);
+  value.image[0].ratio = distance / near;
+  value.image[1] = {};
+  if (seen_of(value.image[0]) <= least_seen) return;
+  constexpr double b = far_over_near;
+  WallImage far = image_at(value.component, wall + b * near * away, from);
+  const double trust = (std::min(seen_of(far), seen_of(value.image[0])) - least_seen) / (1 - least_seen);
+  if (trust <= 0) return;
+  // Lagrange's parabola through 0, 1 and b.
+  const double s = distance / near, parabola = s * (b - s) / (b - 1);
+  value.image[0].ratio += std::min(trust, 1.0) * (parabola - s);
+  far.ratio = std::min(trust, 1.0) * s * (s - 1) / (b * (b - 1));
+  value.image[1] = far;
 }
 
 /// Beyond a border of the grid, or on it.
@@ -271,15 +299,15 @@ bool WallLayer::is_beyond_border(int component, const Triple& face) const {
   return false;
 }
 
-/// Weights of trilinear interpolation at `place` between the faces from value.base on, as far as `from` sees them
+/// Weights of trilinear interpolation at `place` between the faces from image.base on, as far as `from` sees them
 /// through links among the faces between both and `detour` layers around.
-void WallLayer::weigh_seen_faces(WallValue& value, const Eigen::Vector3d& place, const Triple& from, int detour) const {
-  const int c = value.component;
+void WallLayer::weigh_seen_faces(int c, WallImage& image, const Eigen::Vector3d& place, const Triple& from,
+                                 int detour) const {
   Triple low, size;
   for (int d = 0; d < 3; ++d) {
     const int reach = d < block_.n_dimensions ? 1 : 0;
-    low[d] = std::min(from[d], value.base[d]) - reach * detour;
-    size[d] = std::max(from[d], value.base[d] + reach) + reach * detour - low[d] + 1;
+    low[d] = std::min(from[d], image.base[d]) - reach * detour;
+    size[d] = std::max(from[d], image.base[d] + reach) + reach * detour - low[d] + 1;
   }
   constexpr int most_places = 512;
   if (size[0] * size[1] * size[2] > most_places) return;  // weights 0: the wall's velocity
@@ -309,7 +337,7 @@ void WallLayer::weigh_seen_faces(WallValue& value, const Eigen::Vector3d& place,
       }
   }
   for (std::size_t n = 0; n < 8; ++n) {
-    Triple face = value.base;
+    Triple face = image.base;
     double weight = 1;
     for (int d = 0; d < 3; ++d) {
       const bool is_high = ((n >> d) & 1u) != 0;
@@ -318,7 +346,7 @@ void WallLayer::weigh_seen_faces(WallValue& value, const Eigen::Vector3d& place,
       face[d] += is_high ? 1 : 0;
       weight *= is_high ? place[d] : 1 - place[d];
     }
-    value.weight[n] = weight > 0 ? weight * seen[index(face)] : 0;
+    image.weight[n] = weight > 0 ? weight * seen[index(face)] : 0;
   }
 }
 
@@ -392,9 +420,8 @@ void WallLayer::add_face(int component, const Triple& face) {
   // Chords are not the surface itself: a face that all but touches it may stand on the side from which it looks away.
   for (const double sign : {1.0, -1.0}) {
     if (room > hidden || (sign < 0 && distance > chord_sagitta * width)) continue;
-    value.ratio = sign * distance / (sign * distance + beyond);
-    set_image(value, at + sign * beyond * away, face);
-    room = std::accumulate(value.weight.begin(), value.weight.end(), 0.0);
+    set_images(value, vector(closest.position), sign * away, sign * distance, sign * distance + beyond, face);
+    room = seen_of(value.image[0]);
     if (sign < 0 && !surface.is_closed) is_outer = !is_outer;
   }
   // Where another wall leaves no room for an image the equations stay, with ghosts on both sides: to impose the wall's
@@ -429,7 +456,6 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
     else
       towards = normal;
     const double beyond = settings_.image_distance * spacing(face, towards);
-    value.ratio = (is_behind ? -1 : 1) * closest.distance / beyond;
     // From a neighbour that looks through the wall from that side.
     const Eigen::Vector3d image = vector(closest.position) + beyond * towards;
     Triple from = face;
@@ -454,7 +480,7 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
       }
       if (!is_known(component, from)) from = face;
     }
-    set_image(value, image, from);
+    set_images(value, vector(closest.position), towards, (is_behind ? -1 : 1) * closest.distance, beyond, from);
   }
   ghosts_.push_back(value);
   return static_cast<int>(ghosts_.size()) - 1;
@@ -494,15 +520,21 @@ void WallLayer::add_row(int component, const Triple& face) {
 }
 
 double WallLayer::value_of(const WallValue& value, const Field<double>& velocity) {
-  double image = 0, sum = 0;
-  for (std::size_t n = 0; n < 8; ++n) {
-    if (value.weight[n] == 0) continue;
-    image += value.weight[n] * velocity(value.base[0] + static_cast<int>(n & 1u),
-                                        value.base[1] + static_cast<int>((n >> 1) & 1u),
-                                        value.base[2] + static_cast<int>((n >> 2) & 1u));
-    sum += value.weight[n];
-  }
-  return value.wall_velocity + value.ratio * (image - sum * value.wall_velocity);
+  double result = value.wall_velocity;
+  for (const WallImage& image : value.image)
+    if (image.ratio != 0) result += image.ratio * rise_to(image, value.wall_velocity, velocity);
+  return result;
+}
+
+double WallLayer::rise_to(const WallImage& image, double wall_velocity, const Field<double>& velocity) {
+  double rise = 0;
+  for (std::size_t n = 0; n < 8; ++n)
+    if (image.weight[n] != 0)
+      rise += image.weight[n] *
+              (velocity(image.base[0] + static_cast<int>(n & 1u), image.base[1] + static_cast<int>((n >> 1) & 1u),
+                        image.base[2] + static_cast<int>((n >> 2) & 1u)) -
+               wall_velocity);
+  return rise;
 }
 
 }  // namespace couplet::flow

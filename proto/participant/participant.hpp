@@ -61,7 +61,8 @@ class Participant {
   virtual Opened open(const OpenRequest& request) = 0;
 
   /// Solves [start, start + duration] from the last accepted state, given the needed fields at the end of the step.
-  /// Repeating it, with any interval, changes nothing but the trial state: equal arguments give equal bits.
+  /// Repeating it, with any interval, changes nothing but the trial state: equal arguments in equal order since the
+  /// last accepted step give equal bits.
   virtual StepSolved solve_step(const StepInterval& interval, const surface::FieldSet& fields) = 0;
 
   /// From now on a long solve_step calls this now and then with the time that it has reached [s]; when it answers

@@ -74,9 +74,10 @@ TEST(FlowMomentumBalance, AgreesWithTheForceAtTheSurfaceInASteadyFlow) {
     // Walls of the channel are faces of the wider box; between both boxes nothing but the scheme itself.
     EXPECT_NEAR(whole[0], balance[0], 1e-3 * balance[0]);
   }
-  // Measured 5.4 and 1.4 %, with 9 and 18 cells a diameter: second order.
-  EXPECT_LT(difference[0], 0.07);
-  EXPECT_LT(difference[1], difference[0] / 3);
+  // Measured with 9 and 18 cells a diameter; errors of pressure and friction are of either sign, so that no order
+  // shows in their sum. Below 1 % from the coarser grid on.
+  EXPECT_LT(difference[0], 0.01);
+  EXPECT_LT(difference[1], 0.005);
 }
 
 TEST(FlowMomentumBalance, AgreesWithTheForceOnAMovingBody) {

@@ -64,8 +64,9 @@ TEST(SpanningSheet, PushesTheFluidAsAPlugWhereNothingSlides) {
     for (int j = 0; j < sizes[1]; ++j)
       for (int i = 0; i < sizes[0]; ++i) largest = std::max(largest, std::abs(state.velocity[0](i, j, 0) - speed));
     MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
-    // Exact in space. In time the slip that the change of the pressure gradient leaves: dt^2 dU'/dt / rho = 1e-4.
-    EXPECT_LT(largest, 1e-4) << angle;
+    // Exact in space. In time the slip that the change of the pressure gradient leaves: dt^2 dU'/dt / rho = 1e-4, times
+    // 1 - (sum of the images' ratios), at most 2.9 where a ghost lies a cell and a half behind the wall.
+    EXPECT_LT(largest, 3e-4) << angle;
   }
 }
 

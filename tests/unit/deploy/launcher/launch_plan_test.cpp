@@ -81,6 +81,21 @@ TEST_F(LaunchPlanTest, FlowOnSeveralRanksIsOneJobThatFlowServerEndsInGoodOrder) 
   EXPECT_EQ(plan().leader.name, "flow-server");
 }
 
+TEST_F(LaunchPlanTest, CoupledFlowOnSeveralRanksIsAJobThatIsReachedByItsSocket) {
+  scene_.mutable_flow()->mutable_navier_stokes();
+  scene_.mutable_solid();
+  options_.flow_ranks = 2;
+  const LaunchPlan found = plan();
+  ASSERT_THAT(found.servers, SizeIs(2));
+  EXPECT_EQ(found.servers[0].name, "mpirun");
+  EXPECT_EQ(found.servers[0].address_option, "--flow");
+  EXPECT_THAT(found.servers[0].command, Contains("-n"));
+  EXPECT_THAT(found.servers[0].command, Contains("2"));
+  EXPECT_THAT(found.servers[0].command, Contains("--listen"));
+  EXPECT_EQ(found.servers[1].name, "solid-server");
+  EXPECT_EQ(found.leader.name, "coupler");
+}
+
 TEST_F(LaunchPlanTest, GlottalFlowOnSeveralRanksIsRefused) {
   scene_.mutable_flow()->mutable_glottis();
   options_.flow_ranks = 2;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <numeric>
 
 #include "tests/unit/flow-server/immersed/placed_bodies.hpp"
@@ -30,8 +31,18 @@ double height(const Point& p) {
   return normal.dot(Eigen::Vector3d(p[0], p[1], p[2])) - offset;
 }
 
+double sum_of(const WallImage& image) {
+  return std::accumulate(image.weight.begin(), image.weight.end(), 0.0);
+}
+
 double sum_of(const WallValue& value) {
-  return std::accumulate(value.weight.begin(), value.weight.end(), 0.0);
+  return sum_of(value.image[0]);
+}
+
+/// All faces around the images that count are seen.
+bool is_whole(const WallValue& value) {
+  return std::all_of(value.image.begin(), value.image.end(),
+                     [](const WallImage& image) { return image.ratio == 0 || sum_of(image) > 1 - 1e-14; });
 }
 
 class BesideAPlane : public testing::TestWithParam<Point> {};  // the velocity of the wall
@@ -50,7 +61,7 @@ TEST_P(BesideAPlane, ValuesOfALinearVelocityAreExact) {
     const WallValue& value = forced.value;
     const Point at = centre_of_face(placed.block, value.component, value.face);
     const double away = height(at);
-    if (sum_of(value) > 1 - 1e-14) {  // trilinear weights reproduce linear velocities: round-off of nine terms
+    if (is_whole(value)) {  // trilinear weights reproduce linear velocities: round-off of nine terms
       EXPECT_NEAR(WallLayer::value_of(value, placed.velocity[value.component]), linear(at, value.component), 1e-13);
     }
     EXPECT_EQ(forced.is_outer, away > 0);
@@ -69,15 +80,41 @@ TEST_P(BesideAPlane, ValuesOfALinearVelocityAreExact) {
   std::size_t n_whole_ghosts = 0;
   for (const WallValue& ghost : layer.ghosts()) {
     const Point at = centre_of_face(placed.block, ghost.component, ghost.face);
-    if (sum_of(ghost) < 1 - 1e-14) continue;
+    if (!is_whole(ghost)) continue;
     ++n_whole_ghosts;
     // A ghost goes on with the velocity of the side from which it is seen, through the wall's at the wall.
     EXPECT_NEAR(WallLayer::value_of(ghost, placed.velocity[ghost.component]), linear(at, ghost.component), 1e-13);
     if (std::abs(height(at)) > 1e-3 * h) {
-      EXPECT_NEAR(std::abs(ghost.ratio), std::abs(height(at)) / (1.5 * h), 1e-12);
+      const double s = -std::abs(height(at)) / (1.5 * h);  // a parabola through the wall and two images
+      if (ghost.image[1].ratio != 0) {
+        EXPECT_NEAR(ghost.image[0].ratio + 5.0 / 3 * ghost.image[1].ratio, s, 1e-12);
+      }
     }
   }
   EXPECT_GT(n_whole_ghosts, layer.ghosts().size() / 2);  // beside the border of the box some see too little
+}
+
+TEST_P(BesideAPlane, ValuesOfAParabolaAreExactButForTheInterpolation) {
+  const Point wall = GetParam();
+  PlacedBodies placed(uniform_box({n, n, n}, h), {plane(wall)});
+  const auto parabola = [&](const Point& p, int c) {
+    return wall[static_cast<std::size_t>(c)] + (c + 1.5) * height(p) * height(p);
+  };
+  placed.set_velocity(parabola);
+  std::vector<WallValue> values = placed.bodies->layer().ghosts();
+  for (const ForcedFace& forced : placed.bodies->layer().forced()) values.push_back(forced.value);
+  std::size_t n_parabolas = 0;
+  for (const WallValue& value : values) {
+    if (!is_whole(value) || value.image[1].ratio == 0 || sum_of(value.image[1]) < 1 - 1e-14) continue;
+    ++n_parabolas;
+    // Trilinear interpolation is off by at most h^2 / 8 times the sum of the second derivatives, 2 (c + 1.5).
+    const double largest =
+        h * h / 8 * 2 * (value.component + 1.5) * (std::abs(value.image[0].ratio) + std::abs(value.image[1].ratio));
+    const Point at = centre_of_face(placed.block, value.component, value.face);
+    const double side = WallLayer::value_of(value, placed.velocity[value.component]) - parabola(at, value.component);
+    EXPECT_LE(std::abs(side), largest + 1e-13);
+  }
+  EXPECT_GT(n_parabolas, values.size() / 3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Walls, BesideAPlane, testing::Values(Point{0, 0, 0}, Point{0.7, -0.3, 1.1}));
