@@ -24,6 +24,7 @@ struct BodySetup {
   FluidSide fluid = FluidSide::outside;  // of a closed surface
   double largest_side = 0;               // of its triangles [m]; 0: the faces stay as they are
   PrescribedMotion motion;
+  bool is_moved_from_outside = false;      // by a solid, say: not fixed, though no motion is prescribed
   std::optional<double> blend_width = {};  // of the layer in which the velocity is blended with the wall's, in cells
   EdgeRamp edge;                           // of a thin sheet
   double edge_conductance = 1;             // K_F of the ramp: how well its two sides are joined [1]

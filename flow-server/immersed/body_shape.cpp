@@ -287,14 +287,87 @@ surface::SurfaceMesh make_tube(const Point& from, const Point& to, double radius
     const Point centre = layer == n_layers ? to : from + (static_cast<double>(layer) / n_layers) * along;
     for (int i = 0; i < n; ++i) {
       const double angle = 2 * std::numbers::pi * i / n;
-      Point node = centre + (radius * std::cos(angle)) * first + (radius * std::sin(angle)) * second;
-      // Exactly on a border where the axis is along x, y or z.
-      for (std::size_t d = 0; d < 3; ++d)
-        if (std::abs(axis[d]) == 1) node[d] = centre[d];
-      mesh.add_node(node);
+      mesh.add_node(centre + (radius * std::cos(angle)) * first + (radius * std::sin(angle)) * second);
     }
   }
   add_rows(mesh, n_layers, n, [n](int layer, int i) { return layer * n + i % n; });
+  const int first_middle = mesh.add_node(from), last_middle = mesh.add_node(to), last = n_layers * n;
+  for (int i = 0; i < n; ++i) {
+    mesh.add_triangle(first_middle, i, (i + 1) % n);
+    mesh.add_triangle(last_middle, last + (i + 1) % n, last + i);
+  }
+  return mesh.take();
+}
+
+surface::SurfaceMesh make_revolved_body(const std::vector<PlanePoint>& outline, double largest_side) {
+  assert(outline.size() >= 3);
+  const double side = largest_side / std::numbers::sqrt2;
+  const std::vector<PlanePoint> profile = divide(outline, false, side);
+  double radius = 0;
+  for (const PlanePoint& point : profile) radius = std::max(radius, point[1]);
+  const int n = 4 * parts_of(std::numbers::pi / 2 * radius, side);
+  const int n_rings = static_cast<int>(profile.size()) - 2;
+  MeshBuilder mesh;
+  for (int ring = 1; ring <= n_rings; ++ring) {
+    const PlanePoint& at = profile[static_cast<std::size_t>(ring)];
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      mesh.add_node({at[0], at[1] * std::cos(angle), at[1] * std::sin(angle)});
+    }
+  }
+  const int first = mesh.add_node({profile.front()[0], 0, 0}), last = mesh.add_node({profile.back()[0], 0, 0});
+  const auto node = [n](int i, int ring) { return ring * n + i % n; };
+  // The angle turns from y to z: the way round x the way along x points out.
+  const bool is_forward = outline.back()[0] > outline.front()[0];
+  const auto around = [&](int i) { return is_forward ? i : n - i; };
+  add_rows(mesh, n, n_rings - 1, [&](int i, int ring) { return node(around(i), ring); });
+  for (int i = 0; i < n; ++i) {
+    mesh.add_triangle(first, node(around(i + 1), 0), node(around(i), 0));
+    mesh.add_triangle(last, node(around(i), n_rings - 1), node(around(i + 1), n_rings - 1));
+  }
+  return mesh.take();
+}
+
+surface::SurfaceMesh make_ruled_sheet(const std::vector<Point>& first_edge, const std::vector<Point>& second_edge,
+                                      double largest_side) {
+  assert(first_edge.size() == second_edge.size() && first_edge.size() >= 2);
+  const double side = 0.5 * largest_side;  // no diagonal is longer than two sides, however sheared they are
+  double width = 0;
+  for (std::size_t i = 0; i < first_edge.size(); ++i) width = std::max(width, length(second_edge[i] - first_edge[i]));
+  const int n_across = parts_of(width, side);
+  MeshBuilder mesh;
+  std::vector<std::vector<int>> line;  // nodes from the first edge to the second
+  const auto add_line = [&](const Point& from, const Point& to) {
+    std::vector<int>& nodes = line.emplace_back();
+    for (int j = 0; j <= n_across; ++j) {
+      const bool is_point = j > 0 && from == to;
+      nodes.push_back(is_point ? nodes.front()
+                               : mesh.add_node(from + (static_cast<double>(j) / n_across) * (to - from)));
+    }
+  };
+  add_line(first_edge[0], second_edge[0]);
+  for (std::size_t i = 0; i + 1 < first_edge.size(); ++i) {
+    const Point along_first = first_edge[i + 1] - first_edge[i], along_second = second_edge[i + 1] - second_edge[i];
+    const int n = parts_of(std::max(length(along_first), length(along_second)), side);
+    for (int k = 1; k < n; ++k) {
+      const double share = static_cast<double>(k) / n;
+      add_line(first_edge[i] + share * along_first, second_edge[i] + share * along_second);
+    }
+    add_line(first_edge[i + 1], second_edge[i + 1]);
+  }
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(n_across); ++j) {
+      const int a = line[i][j], b = line[i + 1][j], c = line[i + 1][j + 1], d = line[i][j + 1];
+      // Half of a quadrilateral is left where a line is a point.
+      if (a == d) {
+        mesh.add_triangle(a, b, c);
+      } else if (b == c) {
+        mesh.add_triangle(a, b, d);
+      } else {
+        add_quadrilateral(mesh, a, b, c, d, (i + j) % 2 == 0);
+      }
+    }
+  }
   return mesh.take();
 }
 

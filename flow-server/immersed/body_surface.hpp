@@ -15,6 +15,7 @@ struct BodySurface {
   std::string name;
   bool is_closed = false;       // bounds a body: fluid only where the normals point to; else on both sides
   bool is_lumen = false;        // of a closed one: the fluid is inside; where there is a lumen all else is solid
+  bool is_fixed = false;        // of a closed one: stays for all times where it is
   std::vector<Point> position;  // (n_corners) [m]
   std::vector<Point> velocity;  // (n_corners) [m/s]
   std::vector<std::array<int, 3>> triangle;  // corners; the right-hand normal points to the side that is called outer

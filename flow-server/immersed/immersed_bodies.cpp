@@ -292,14 +292,15 @@ void ImmersedBodies::still_inside(const BodyGeometry& now, const ActiveCells& wh
       if (!now.layer().is_near(d, cell)) velocity[d](cell[0], cell[1], cell[2]) = 0;
   };
   for (int k = 0; k < block_.sizes[2]; ++k)
-    for (int j = 0; j < block_.sizes[1]; ++j) {
-      int i = 0;  // the cells between those that are whole
-      for_each_interval(whole, j, k, 0, block_.sizes[0], [&](int begin, int end) {
-        for (; i < begin; ++i) still({i, j, k});
-        i = end;
+    for (int j = 0; j < block_.sizes[1]; ++j)
+      for_each_interval(block_.cells, j, k, 0, block_.sizes[0], [&](int first, int last) {
+        int i = first;  // the cells between those that are whole
+        for_each_interval(whole, j, k, first, last, [&](int begin, int end) {
+          for (; i < begin; ++i) still({i, j, k});
+          i = end;
+        });
+        for (; i < last; ++i) still({i, j, k});
       });
-      for (; i < block_.sizes[0]; ++i) still({i, j, k});
-    }
 }
 
 double ImmersedBodies::courant_rate(const BodyGeometry& bodies) const {

@@ -99,6 +99,7 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
   body_.is_lumen = body.is_closed && body.fluid == FluidSide::inside;
   body_.blend_width = body.blend_width;
   body_.edge_conductance = body.edge_conductance;
+  body_.is_fixed = body.is_closed && body.motion.is_fixed() && !body.is_moved_from_outside;
   body_.triangle = tessellation_.triangle();
   tessellation_.interpolate(body.mesh.node_position, body_.position);
   body_.velocity.assign(body_.position.size(), Point{});

@@ -57,8 +57,9 @@ struct FractionalStep::Parts {
   Parts(NavierStokesSetup given, const BlockDecomposition& blocks)
       : setup(std::move(given)),
         decomposition(blocks),
-        border(checked(setup, blocks).grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
-        block(make_flow_block(setup, blocks, border)),
+        solid(find_fixed_solid(checked(setup, blocks), blocks)),
+        border(setup.grid, blocks, setup.border, fluid_of(setup, solid), setup.balances_inflow),
+        block(make_flow_block(setup, blocks, border, solid)),
         ghosts(block, border),
         bodies(setup.bodies ? std::make_unique<ImmersedBodies>(block, setup.body_settings) : nullptr),
         predictor(setup, block, border, ghosts, bodies.get()),
@@ -79,6 +80,7 @@ struct FractionalStep::Parts {
 
   NavierStokesSetup setup;
   const BlockDecomposition& decomposition;
+  FixedSolid solid;
   FlowBorder border;
   FlowBlock block;
   FlowGhosts ghosts;

@@ -124,6 +124,7 @@ FlowPart NavierStokesModel::part() const {
 
 std::optional<BodySurfaces> NavierStokesModel::make_surfaces() {
   if (options_.bodies.empty()) return std::nullopt;
+  if (options_.coupled) options_.bodies[static_cast<std::size_t>(*options_.coupled)].is_moved_from_outside = true;
   options_.setup.bodies = [this](double time) { return surfaces_->at(time); };
   return std::optional<BodySurfaces>(std::in_place, options_.bodies, options_.setup.grid);
 }

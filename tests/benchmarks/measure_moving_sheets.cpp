@@ -68,7 +68,7 @@ BodySurface tube_surface(const Valve& valve) {
   const int n_around = static_cast<int>(std::lround(2 * std::numbers::pi * valve.radius));
   const int n_along = valve.n_cells[0] + 8;
   BodySurface tube;
-  tube.name = "tube", tube.is_closed = true, tube.is_lumen = true;
+  tube.name = "tube", tube.is_closed = true, tube.is_lumen = true, tube.is_fixed = true;
   for (int l = 0; l <= n_along; ++l)
     for (int a = 0; a < n_around; ++a) {
       const double angle = 2 * std::numbers::pi * a / n_around;
@@ -197,8 +197,9 @@ class StepParts {
  public:
   StepParts(const NavierStokesSetup& setup, const BlockDecomposition& blocks)
       : setup_(setup),
-        border_(setup.grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
-        block_(make_flow_block(setup, blocks, border_)),
+        solid_(find_fixed_solid(setup, blocks)),
+        border_(setup.grid, blocks, setup.border, fluid_of(setup, solid_), setup.balances_inflow),
+        block_(make_flow_block(setup, blocks, border_, solid_)),
         ghosts_(block_, border_),
         bodies_(block_, setup.body_settings),
         predictor_(setup, block_, border_, ghosts_, &bodies_),
@@ -259,6 +260,7 @@ class StepParts {
 
  private:
   const NavierStokesSetup& setup_;
+  FixedSolid solid_;
   FlowBorder border_;
   FlowBlock block_;
   FlowGhosts ghosts_;
@@ -293,13 +295,12 @@ int measure(const Options& options) {
   setup.border[0][0] = {opening(speed * speed)};
   setup.border[0][1] = {opening(0)};
   const bool has_surface = options.wall == "surface";
-  // What lies beyond the tube and the cells that its wall may touch takes no time.
-  setup.is_fluid = [valve, beyond = has_surface ? 3.0 : 0.0](const Point& at) {
-    return std::hypot(at[1] - valve.centre, at[2] - valve.centre) < valve.radius + beyond;
+  const auto is_inside = [valve](const Point& at) {
+    return std::hypot(at[1] - valve.centre, at[2] - valve.centre) < valve.radius;
   };
-  setup.initial_velocity[0] = SpaceTimeValue::Function([valve](const Point& at, double) {
-    return std::hypot(at[1] - valve.centre, at[2] - valve.centre) < valve.radius ? mean_speed : 0.0;
-  });
+  if (!has_surface) setup.is_fluid = is_inside;
+  setup.initial_velocity[0] =
+      SpaceTimeValue::Function([is_inside](const Point& at, double) { return is_inside(at) ? mean_speed : 0.0; });
   std::vector<std::shared_ptr<Leaflet>> leaflets;
   for (int n = 0; n < 3; ++n) leaflets.push_back(std::make_shared<Leaflet>(valve, n, setup.grid));
   setup.bodies = [leaflets, tube = has_surface ? tube_surface(valve) : BodySurface{}, has_surface](double time) {
@@ -345,6 +346,7 @@ int measure(const Options& options) {
   row["ranks"] = n_ranks;
   row["cells_active"] = cells;
   row["cells_cut"] = cut;
+  row["bytes_per_cell"] = summed(static_cast<double>(step.n_bytes())) / cells;
   row["ns_per_cell_step_iteration"] = 1e9 * seconds.step / cells;
   row["geometry_share"] = seconds.geometry() / seconds.step;
   row["geometry_over_pressure_solve"] = seconds.geometry() / seconds.pressure_solve;

@@ -38,10 +38,11 @@ TEST(NearestWall, OnlySurfacesThatCutCellsAroundCount) {
   TwoSheets walls;
   NearbyWalls both = beside({0, 1}), second = beside({1}), none;
   const Eigen::Vector3d place(1.2, 0.3, 0.4);
-  EXPECT_EQ(walls.nearest.on_any(place, 1, 1, both).surface, 0);
-  EXPECT_EQ(walls.nearest.on_any(place, 1, 1, second).surface, 1);
-  EXPECT_FALSE(walls.nearest.on_any(place, 1, 1, none).is_found());
-  EXPECT_NEAR(walls.nearest.on_any(place, 1, 1, second).distance, 0.8, round_off);
+  const auto reach = [](const BodySurface&) { return 1.0; };
+  EXPECT_EQ(walls.nearest.on_any(place, reach, both).surface, 0);
+  EXPECT_EQ(walls.nearest.on_any(place, reach, second).surface, 1);
+  EXPECT_FALSE(walls.nearest.on_any(place, reach, none).is_found());
+  EXPECT_NEAR(walls.nearest.on_any(place, reach, second).distance, 0.8, round_off);
 }
 
 TEST(NearestWall, WhatIsRememberedCountsWithinTheReachOnly) {

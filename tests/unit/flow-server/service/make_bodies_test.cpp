@@ -57,11 +57,14 @@ TEST(MakeBodies, EveryShapeIsAsItsWordsSay) {
     body { name: "block" cuboid { low { x: -0.5 } high { y: 0.5 z: 0.5 } } }
     body { name: "wall" tube { start { x: -1 } end { x: 1 } radius: 0.5 } }
     body { name: "beam" polygon { point { } point { x: 0.5 } point { x: 0.5 y: 0.2 } point { y: 0.2 } } }
-    body { name: "ellipse" cylinder { radius: 0.4 radius_y: 0.2 } })");
-  ASSERT_EQ(bodies.size(), 5u);
+    body { name: "ellipse" cylinder { radius: 0.4 radius_y: 0.2 } }
+    body { name: "cones" revolved { point { x: -0.5 } point { y: 0.4 } point { x: 0.9 } } })");
+  ASSERT_EQ(bodies.size(), 6u);
   const std::vector<BorderPlane> borders = {{0, -1}, {0, 1}, {1, -1}, {1, 1}, {2, -1}, {2, 1}};
-  const std::vector<double> volume = {4 * pi / 3 * 0.5 * 0.5 * 0.2, 0.5 * 0.5 * 0.5, -pi * 0.25 * 2, 0.5 * 0.2 * 2,
-                                      pi * 0.4 * 0.2 * 2};
+  // The tube goes on for two cells of 0.1 beyond either border.
+  const std::vector<double> volume = {
+      4 * pi / 3 * 0.5 * 0.5 * 0.2, 0.5 * 0.5 * 0.5,         -pi * 0.25 * 2.4, 0.5 * 0.2 * 2,
+      pi * 0.4 * 0.2 * 2,           pi * 0.4 * 0.4 * 1.4 / 3};
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     BodySurface surface = surface_of(bodies[b].mesh, bodies[b].is_closed);
     const SurfaceTopology topology = orient_surface(surface, bodies[b].fluid, borders);
