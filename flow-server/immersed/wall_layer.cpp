@@ -222,10 +222,11 @@ void WallLayer::add_face(int component, const Triple& face) {
   for (int d = 0; d < block_.n_dimensions; ++d)
     widest = std::max(widest, (1 + 1e-9) / block_.axis[d].inverse_distance[face[d]]);
   const double reach = reach_of_ghosts * spacing(face, Eigen::Vector3d::Ones());
-  const ClosestPoint closest =
-      is_solid
-          ? nearest_.on_any(at, [reach](const BodySurface&) { return reach; }, nearby)
-          : nearest_.on_any(at, [&](const BodySurface& wall) { return blend_of(wall) * widest; }, nearby);
+  const ClosestPoint closest = is_solid
+                                   ? nearest_.on_any(
+                                         at, [reach](const BodySurface&) { return reach; }, nearby)
+                                   : nearest_.on_any(
+                                         at, [&](const BodySurface& wall) { return blend_of(wall) * widest; }, nearby);
   if (!closest.is_found()) return;
   const BodySurface& surface = nearest_.surface(closest.surface);
   value.wall_velocity = nearest_.velocity(closest, component);

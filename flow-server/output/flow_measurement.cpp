@@ -55,8 +55,8 @@ double fluid_share(const FlowPart& part, const Triple& cell) {
   const CutCells& cut = part.state.bodies->cut();
   const int index = cut.find(cell);
   if (index < 0) return cut.is_solid(cell) ? 0 : 1;
-  const double volume = part.grid.volume(
-      {part.origin()[0] + cell[0], part.origin()[1] + cell[1], part.origin()[2] + cell[2]});
+  const double volume =
+      part.grid.volume({part.origin()[0] + cell[0], part.origin()[1] + cell[1], part.origin()[2] + cell[2]});
   return cut.fluid_volume(cut.cells()[static_cast<std::size_t>(index)]) / volume;
 }
 
