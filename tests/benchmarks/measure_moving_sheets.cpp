@@ -158,7 +158,7 @@ struct Seconds {
 /// The geometry of one position part by part, as BodyGeometry has it.
 struct GeometryParts {
   GeometryParts(const FlowBlock& block, const BodyFlowSettings& settings)
-      : crossings(*block.grid, block.decomposition->mine(), 4),
+      : crossings(*block.grid, block.decomposition->mine(), 5),
         cut(*block.grid, crossings),
         pieces(block, cut),
         layer(block, cut, settings.wall) {}

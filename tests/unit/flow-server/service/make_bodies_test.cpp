@@ -44,11 +44,16 @@ TEST(MakeBodies, MakesRoundBodiesAcrossAFlowInTwoDimensions) {
   EXPECT_EQ(bodies[0].blend_width, std::nullopt);
   EXPECT_TRUE(bodies[0].motion.is_fixed());
   EXPECT_NEAR(bodies[0].largest_side, 0.1, 1e-12);  // the difference of two faces
-  for (Eigen::Index i = 0; i < bodies[0].mesh.n_nodes(); ++i) {
-    const auto node = bodies[0].mesh.node_position.row(i);
-    EXPECT_NEAR(std::hypot(node[0] - 0.2, node[1] - 0.1), 0.3, 1e-15);
-    EXPECT_TRUE(node[2] == 0 || node[2] == 0.5);
+  const auto& nodes = bodies[0].mesh.node_position;
+  const double radius = std::hypot(nodes(0, 0) - 0.2, nodes(0, 1) - 0.1);
+  int n_corners = 0;
+  for (Eigen::Index i = 0; i < nodes.rows(); ++i) {
+    EXPECT_NEAR(std::hypot(nodes(i, 0) - 0.2, nodes(i, 1) - 0.1), radius, 1e-15);
+    EXPECT_TRUE(nodes(i, 2) == 0 || nodes(i, 2) == 0.5);
+    n_corners += nodes(i, 2) == 0 ? 1 : 0;
   }
+  // The polygon has the area of the circle.
+  EXPECT_NEAR(0.5 * n_corners * radius * radius * std::sin(2 * M_PI / n_corners), M_PI * 0.3 * 0.3, 1e-14);
 }
 
 TEST(MakeBodies, EveryShapeIsAsItsWordsSay) {
