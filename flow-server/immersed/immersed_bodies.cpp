@@ -173,6 +173,8 @@ void ImmersedBodies::fill_piece_ghosts(HaloExchange& halo, BodyGeometry& now) {
   if (block_.decomposition->n_ranks() == 1 && !has_periodic_direction(block_)) return;
   const CutCells& cut = now.cut();
   const Box mine = box_of(block_.sizes);
+  Box known = mine;  // fields know fewer layers than are looked at
+  for (int d = 0; d < 3; ++d) known.begin[d] -= block_.ghosts[d], known.end[d] += block_.ghosts[d];
   // Pieces of a cell stand in the same order on all ranks.
   std::vector<std::size_t> number(now.piece_pressure.size(), 0);
   int n_in_a_cell = 0;
@@ -192,7 +194,8 @@ void ImmersedBodies::fill_piece_ghosts(HaloExchange& halo, BodyGeometry& now) {
     for (std::size_t f = 0; f < number.size(); ++f) {
       const CellPart& part = cut.parts()[static_cast<std::size_t>(cut.further_parts()[f])];
       const auto& [i, j, k] = cut.cells()[static_cast<std::size_t>(part.cell)].cell;
-      if (mine.contains({i, j, k}) == own) with(exchanged_[number[f]](i, j, k), now.piece_pressure[f]);
+      if (known.contains({i, j, k}) && mine.contains({i, j, k}) == own)
+        with(exchanged_[number[f]](i, j, k), now.piece_pressure[f]);
     }
   };
   visit(true, [](double& place, double pressure) { place = pressure; });

@@ -115,9 +115,10 @@ FlowMeasure PressureCorrection::correct_velocity(const FlowState& from, double s
                    to.velocity);
   // Cells whose place belongs to another part than before start from the pressure of that part.
   BodyGeometry& now = *to.bodies;
+  const Box mine = box_of(block_.sizes);
   std::vector<double> carried;
   for (const CutCell& cell : now.cut().cells())
-    carried.push_back(to.pressure(cell.cell[0], cell.cell[1], cell.cell[2]));
+    if (mine.contains(cell.cell)) carried.push_back(to.pressure(cell.cell[0], cell.cell[1], cell.cell[2]));
   bodies_->keep_cut_faces(now, to.velocity);
   correct(block_, ActiveCells::all({}), step_over_density, phi_, viscous_factor, source_, from.pressure, to.pressure,
           to.velocity);
@@ -125,10 +126,10 @@ FlowMeasure PressureCorrection::correct_velocity(const FlowState& from, double s
   for (std::size_t n = 0; n < piece_phi_.size(); ++n)
     further_phi_[static_cast<std::size_t>(now.pieces().listed()[n])] = piece_phi_[n];
   bodies_->correct_cut_faces(now, step_over_density, phi_, further_phi_, to.velocity);
-  const Box mine = box_of(block_.sizes);
-  for (std::size_t c = 0; c < carried.size(); ++c) {
-    const auto& [i, j, k] = now.cut().cells()[c].cell;
-    if (mine.contains({i, j, k})) to.pressure(i, j, k) = carried[c] + phi_(i, j, k);
+  std::size_t n_carried = 0;
+  for (const CutCell& cell : now.cut().cells()) {
+    const auto& [i, j, k] = cell.cell;
+    if (mine.contains(cell.cell)) to.pressure(i, j, k) = carried[n_carried++] + phi_(i, j, k);
   }
   for (std::size_t f = 0; f < further_phi_.size(); ++f) now.piece_pressure[f] += further_phi_[f];
   bodies_->fill_piece_ghosts(ghosts_.exchange(), now);
