@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "flow-server/immersed/imposed_momentum.hpp"
 #include "flow-server/immersed/triangle_geometry.hpp"
 
 namespace couplet::flow {
@@ -337,10 +338,11 @@ void BodyLoads::add_viscous_stress(const BodyGeometry& bodies, const VectorField
   forces.spread_middles();
 }
 
-std::vector<SurfaceLoad> BodyLoads::measure(const FlowState& state) const {
+std::vector<SurfaceLoad> BodyLoads::measure(const FlowState& state, double density) const {
   const BodyGeometry& bodies = *state.bodies;
   std::vector<SurfaceLoad> loads = no_loads(bodies.surfaces());
   add_pressure(bodies, state.pressure, loads);
+  add_imposed_momentum(block_, density, state, loads);
   add_viscous_stress(bodies, state.velocity, loads);
   std::vector<Point> all;
   for (const SurfaceLoad& load : loads) {

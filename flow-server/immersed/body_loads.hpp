@@ -11,7 +11,7 @@ namespace couplet::flow {
 
 struct SurfaceLoad {
   std::vector<Point> corner_force;  // (n_corners) of pressure and viscous stress together [N]
-  Point pressure_force{};           // sums over all corners [N]
+  Point pressure_force{};           // sums over all corners; with the reaction to imposed momentum [N]
   Point viscous_force{};
 };
 
@@ -41,7 +41,8 @@ class BodyLoads {
 
   /// Collective. On each surface, the same on all ranks. One sum of 24 bytes a corner over all ranks: 2.4 MB for 1e5
   /// corners, whatever the number of ranks.
-  std::vector<SurfaceLoad> measure(const FlowState& state) const;
+  /// Pressure, the reaction to what walls impose (imposed_momentum.hpp) and viscous stress. `density` [kg/m^3].
+  std::vector<SurfaceLoad> measure(const FlowState& state, double density) const;
 
   /// Of the walls in cells of this rank alone.
   void add_pressure(const BodyGeometry& bodies, const Field<double>& pressure, std::vector<SurfaceLoad>& loads) const;

@@ -227,21 +227,25 @@ void ImmersedBodies::take_divergence(const BodyGeometry& now, double factor, con
       if (piece.upper_part >= 0) outflow[static_cast<std::size_t>(piece.upper_part)] -= flow;
     }
   }
-  for (const WallTriangle& wall : cut.walls()) {
-    if (wall.outer_part == wall.inner_part) continue;
-    const CutCell& cell =
-        cut.cells()[static_cast<std::size_t>(cut.parts()[static_cast<std::size_t>(wall.outer_part)].cell)];
+  for (const CutCell& cell : cut.cells()) {
     if (!mine.contains(cell.cell)) continue;
-    double flow = (1 - wall.opening) * wall.velocity.dot(wall.area);
-    if (wall.opening > 0)
-      for (int d = 0; d < block_.n_dimensions; ++d) {
-        Triple start = cell.cell;
-        --start[d];
-        flow += wall.opening * wall.area[d] * 0.5 *
-                (velocity[d](start[0], start[1], start[2]) + velocity[d](cell.cell[0], cell.cell[1], cell.cell[2]));
-      }
-    outflow[static_cast<std::size_t>(wall.outer_part)] -= flow;
-    outflow[static_cast<std::size_t>(wall.inner_part)] += flow;
+    // What the open share of walls lets through: the velocity of the fluid around.
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (int d = 0; d < block_.n_dimensions; ++d) {
+      Triple start = cell.cell;
+      --start[d];
+      mean[d] =
+          0.5 * (velocity[d](start[0], start[1], start[2]) + velocity[d](cell.cell[0], cell.cell[1], cell.cell[2]));
+    }
+    for (int w = cell.first_wall; w < cell.first_wall + cell.n_walls; ++w) {
+      const WallTriangle& wall = cut.walls()[static_cast<std::size_t>(w)];
+      if (wall.outer_part == wall.inner_part) continue;
+      double flow = (1 - wall.opening) * wall.velocity.dot(wall.area);
+      if (wall.opening > 0)
+        flow += wall.opening * mean.dot(wall.area) + forcing_.opening_flow()[static_cast<std::size_t>(w)];
+      outflow[static_cast<std::size_t>(wall.outer_part)] -= flow;
+      outflow[static_cast<std::size_t>(wall.inner_part)] += flow;
+    }
   }
   const auto per_volume = [&](const Triple& cell) {
     double volume = 1;

@@ -83,23 +83,27 @@ void PressurePieces::add_face(const CutFace& face) {
   shares_.push_back({d, face.face, static_cast<float>(share)});
 }
 
+double PressurePieces::conductance(const WallTriangle& wall, const Triple& cell,
+                                   std::span<const BodySurface> surfaces) const {
+  if (wall.opening <= 0 || wall.outer_part == wall.inner_part || !is_fluid(wall.outer_part, cell) ||
+      !is_fluid(wall.inner_part, cell))
+    return 0;
+  double square = 0;  // width of the cell along the wall's normal, times its area
+  for (int d = 0; d < block_.n_dimensions; ++d) square += std::pow(wall.area[d] * block_.axis[d].width[cell[d]], 2);
+  if (square == 0) return 0;
+  const double area = wall.area.norm();
+  return surfaces[static_cast<std::size_t>(wall.surface)].edge_conductance * area * area / std::sqrt(square) *
+         wall.opening / (1 - wall.opening + least_closed);
+}
+
 void PressurePieces::add_free_edges(const CutCell& cut, std::span<const BodySurface> surfaces) {
   if (!box_of(block_.sizes).contains(cut.cell)) return;
   for (int w = cut.first_wall; w < cut.first_wall + cut.n_walls; ++w) {
     const WallTriangle& wall = cut_.walls()[static_cast<std::size_t>(w)];
-    if (wall.opening <= 0 || wall.outer_part == wall.inner_part || !is_fluid(wall.outer_part, cut.cell) ||
-        !is_fluid(wall.inner_part, cut.cell))
-      continue;
+    const double through = conductance(wall, cut.cell, surfaces);
+    if (through == 0) continue;
     const PressureUnknown outer = unknown_of(wall.outer_part, cut.cell), inner = unknown_of(wall.inner_part, cut.cell);
-    if (outer.piece == inner.piece) continue;
-    const double area = wall.area.norm();
-    double square = 0;  // width of the cell along the wall's normal
-    for (int d = 0; d < block_.n_dimensions; ++d)
-      square += std::pow(wall.area[d] * block_.axis[d].width[cut.cell[d]], 2);
-    if (square == 0) continue;
-    const double conductance = surfaces[static_cast<std::size_t>(wall.surface)].edge_conductance * area * area /
-                               std::sqrt(square) * wall.opening / (1 - wall.opening + least_closed);
-    split_.links.push_back({outer, inner, conductance});
+    if (outer.piece != inner.piece) split_.links.push_back({outer, inner, through});
   }
 }
 
@@ -115,6 +119,22 @@ double PressurePieces::slope(const CutFace& face, const FacePiece& piece, const 
   if (!is_fluid(piece.lower_part, face.face) || !is_fluid(piece.upper_part, next)) return 0;
   return (value_at(piece.upper_part, next, cells, pieces) - value_at(piece.lower_part, face.face, cells, pieces)) *
          block_.axis[face.direction].inverse_control_width[face.face[face.direction]];
+}
+
+double PressurePieces::slope_between_cells(int d, const Triple& face, const Field<double>& cells) const {
+  Triple next = face;
+  ++next[d];
+  return (cells(next[0], next[1], next[2]) - cells(face[0], face[1], face[2])) *
+         block_.axis[d].inverse_control_width[face[d]];
+}
+
+double PressurePieces::slope_at(int d, const Triple& face, const Field<double>& cells,
+                                std::span<const double> pieces) const {
+  const int index = cut_.find_face(d, face);
+  if (index >= 0) return middle_slope(index, cells, pieces);
+  Triple next = face;
+  ++next[d];
+  return cut_.is_solid(face) || cut_.is_solid(next) ? 0 : slope_between_cells(d, face, cells);
 }
 
 bool PressurePieces::joins_cells(const CutFace& face, const FacePiece& piece) const {

@@ -36,7 +36,11 @@ class PressurePieces {
   /// Slope of a pressure across a piece of a face [Pa/m]; 0 where one side is solid.
   double slope(const CutFace& face, const FacePiece& piece, const Field<double>& cells,
                std::span<const double> pieces) const;
-  /// Slope that acts on the velocity at the middle of a face, an index in CutCells::faces(): that across its piece;
+  /// Between the middles of the cells on both sides of a face, whatever is between them.
+  double slope_between_cells(int direction, const Triple& face, const Field<double>& cells) const;
+  /// Slope that acts on the velocity at the middle of any face; 0 beside cells that are solid.
+  double slope_at(int direction, const Triple& face, const Field<double>& cells, std::span<const double> pieces) const;
+  /// The same of a cut face, an index in CutCells::faces(): that across its piece;
   /// where a smooth free edge opens another piece to it, the mean of both by the area for which that velocity stands.
   double middle_slope(int face, const Field<double>& cells, std::span<const double> pieces) const;
   /// That is what a sweep over the fields finds: both sides of the piece are the cells' places, and no other is open.
@@ -44,6 +48,9 @@ class PressurePieces {
   /// Indices of all cut faces for which it is not so.
   const std::vector<int>& faces_of_own_slope() const { return faces_of_own_slope_; }
   bool is_fluid(int part, const Triple& cell) const;
+  /// Between the parts on both sides of a wall near a smooth free edge, for one triangle of it [m]: flow = dt / rho *
+  /// conductance * difference of pressures. 0 where nothing is open.
+  double conductance(const WallTriangle& wall, const Triple& cell, std::span<const BodySurface> surfaces) const;
 
  private:
   bool joins_cells(const CutFace& face, const FacePiece& piece) const;

@@ -17,23 +17,10 @@ bool WallForcing::is_mine(int d, const Triple& face) const {
   return block_.computed_faces(d).contains(face) && block_.faces[d].contains(face[0], face[1], face[2]);
 }
 
-double WallForcing::slope_between_cells(const Field<double>& pressure, int d, const Triple& face) const {
-  Triple next = face;
-  ++next[d];
-  return (pressure(next[0], next[1], next[2]) - pressure(face[0], face[1], face[2])) *
-         block_.axis[d].inverse_control_width[face[d]];
-}
-
 double WallForcing::slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d,
                                   const Triple& face) const {
-  if (bodies.layer().is_of_whole_cells(d, face)) return slope_between_cells(pressure, d, face);
-  const int index = bodies.cut().find_face(d, face);
-  if (index < 0) {
-    Triple next = face;
-    ++next[d];
-    return bodies.cut().is_solid(face) || bodies.cut().is_solid(next) ? 0 : slope_between_cells(pressure, d, face);
-  }
-  return bodies.pieces().middle_slope(index, pressure, bodies.piece_pressure);
+  return bodies.layer().is_of_whole_cells(d, face) ? bodies.pieces().slope_between_cells(d, face, pressure)
+                                                   : bodies.pieces().slope_at(d, face, pressure, bodies.piece_pressure);
 }
 
 WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<double>& velocity) const {
@@ -50,10 +37,10 @@ WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<do
   return {WallLayer::value_of(value, velocity), sum > 0 ? slope / sum : 0};
 }
 
-void WallForcing::take_slopes_of_images(const WallLayer& layer, const Field<double>& pressure) {
+void WallForcing::take_slopes_of_images(const BodyGeometry& now, const Field<double>& pressure) {
   for (int d = 0; d < block_.n_dimensions; ++d)
-    for (const Triple& face : layer.image_faces(d))
-      slope_[d](face[0], face[1], face[2]) = slope_between_cells(pressure, d, face);
+    for (const Triple& face : now.layer().image_faces(d))
+      slope_[d](face[0], face[1], face[2]) = now.pieces().slope_between_cells(d, face, pressure);
 }
 
 /// Neighbours that a face sees, as far as they are near walls and stayed on their side.
@@ -79,7 +66,7 @@ void WallForcing::mend_slopes(const BodyGeometry& before, double step_over_densi
     const int d = face.direction;
     if (!is_mine(d, face.face)) continue;
     velocity[d](face.face[0], face.face[1], face.face[2]) +=
-        step_over_density * (slope_between_cells(pressure, d, face.face) -
+        step_over_density * (before.pieces().slope_between_cells(d, face.face, pressure) -
                              before.pieces().middle_slope(index, pressure, before.piece_pressure));
   }
 }
@@ -120,7 +107,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
   }
   for (int round = 0; round < n_rounds; ++round) {
     halo.exchange(exchanged, reach);
-    take_slopes_of_images(now.layer(), pressure);  // in ghosts too, which the exchange has overwritten
+    take_slopes_of_images(now, pressure);  // in ghosts too, which the exchange has overwritten
     auto next_beside = beside.begin();
     for (std::size_t f = 0; f < forced.size(); ++f) {
       const int c = forced[f].value.component;
@@ -146,7 +133,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
     }
   }
   halo.exchange(exchanged, reach);
-  take_slopes_of_images(now.layer(), pressure);
+  take_slopes_of_images(now, pressure);
   ghost_.clear();
   for (const WallValue& value : now.layer().ghosts()) ghost_.push_back(imposed(value, velocity[value.component]));
   piece_shift_.assign(now.cut().pieces().size(), 0.0);
@@ -213,6 +200,31 @@ void WallForcing::take_slopes_of(BodyGeometry& now, double step_over_density, co
           value.velocity +
           step_over_density * (value.slope - now.pieces().slope(face, piece, pressure, now.piece_pressure));
     }
+  find_opening_flow(now, step_over_density, pressure);
+}
+
+void WallForcing::find_opening_flow(const BodyGeometry& now, double step_over_density, const Field<double>& pressure) {
+  const CutCells& cut = now.cut();
+  opening_flow_.assign(cut.walls().size(), 0.0);
+  const Box mine = box_of(block_.sizes);
+  for (const CutCell& cell : cut.cells()) {
+    if (!mine.contains(cell.cell)) continue;
+    for (int w = cell.first_wall; w < cell.first_wall + cell.n_walls; ++w) {
+      const WallTriangle& wall = cut.walls()[static_cast<std::size_t>(w)];
+      const double conductance = now.pieces().conductance(wall, cell.cell, now.surfaces());
+      if (conductance == 0) continue;
+      double flow = 0;
+      for (int d = 0; d < block_.n_dimensions; ++d) {
+        Triple start = cell.cell;
+        --start[d];
+        flow += wall.opening * wall.area[d] * 0.5 *
+                (slope_of_face(now, pressure, d, start) + slope_of_face(now, pressure, d, cell.cell));
+      }
+      const auto side = [&](int part) { return now.pieces().value_at(part, cell.cell, pressure, now.piece_pressure); };
+      opening_flow_[static_cast<std::size_t>(w)] =
+          step_over_density * (flow - conductance * (side(wall.outer_part) - side(wall.inner_part)));
+    }
+  }
 }
 
 }  // namespace couplet::flow

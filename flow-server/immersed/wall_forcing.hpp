@@ -42,6 +42,11 @@ class WallForcing {
 
   /// (n_pieces of CutCells) velocity along the face's normal [m/s]; faces of this rank and those at its start.
   const std::vector<double>& piece_velocity() const { return piece_velocity_; }
+  /// (n_walls of CutCells) of walls near a smooth free edge, as triangles: by what the flow through their open share
+  /// differs from that of the velocities of the faces around [m^3/s]. Those carry the slopes of the pressure at their
+  /// own places, the flow through an opening the difference between both of its sides, times its conductance. Without
+  /// this a pressure that no slope knows would add up over the steps. Of walls in cells of this rank.
+  const std::vector<double>& opening_flow() const { return opening_flow_; }
   /// (n_pieces of CutCells) by which the mean velocity of a piece differs from that at the middle of its face [m/s].
   const std::vector<double>& piece_shift() const { return piece_shift_; }
 
@@ -52,9 +57,9 @@ class WallForcing {
   };
   Imposed imposed(const WallValue& value, const Field<double>& velocity) const;
   /// Slopes of faces that images need beside those near walls.
-  void take_slopes_of_images(const WallLayer& layer, const Field<double>& pressure);
-  double slope_between_cells(const Field<double>& pressure, int d, const Triple& face) const;
+  void take_slopes_of_images(const BodyGeometry& now, const Field<double>& pressure);
   double slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d, const Triple& face) const;
+  void find_opening_flow(const BodyGeometry& now, double step_over_density, const Field<double>& pressure);
   bool is_mine(int d, const Triple& face) const;
   std::vector<Triple> seen_beside(const BodyGeometry& now, const WallValue& value) const;
 
@@ -69,7 +74,7 @@ class WallForcing {
     double change;  // [m/s]
   };
   std::vector<HeldFace> held_;  // of this rank
-  std::vector<double> piece_velocity_, piece_shift_;
+  std::vector<double> piece_velocity_, piece_shift_, opening_flow_;
 };
 
 }  // namespace couplet::flow

@@ -195,7 +195,7 @@ void FractionalStep::Parts::shape(FlowState& state) const {
 
 std::vector<SurfaceLoad> FractionalStep::body_loads(const FlowState& state) const {
   if (!state.bodies) return {};
-  return BodyLoads(parts_->block, parts_->setup.viscosity).measure(state);
+  return BodyLoads(parts_->block, parts_->setup.viscosity).measure(state, parts_->setup.density);
 }
 
 std::size_t FractionalStep::n_bytes() const {

@@ -82,6 +82,36 @@ TEST(FlowMomentumBalance, AgreesWithTheForceAtTheSurfaceInASteadyFlow) {
   }
 }
 
+TEST(FlowMomentumBalance, AgreesAsWellWithShortSteps) {
+  // Courant numbers 0.6 to 0.01. What walls impose is not free of divergence by an error of space, which the pressure
+  // at the wall answers with 1 / dt: without the reaction to it (imposed_momentum.hpp) the surface is off by 3, 7 and
+  // 44 %.
+  const int n = 20;
+  const NavierStokesSetup setup = channel(n, [&](double) {
+    return cylinder_surface({1.51 + 0.3 / n, 1.03, 0}, 0.3, 240, 1.0 / n);
+  });
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  FlowState state = flow.initial_state(), next;
+  flow.advance(state, 1, next);
+  std::swap(state, next);
+  const BalanceBox box{"around", {0.8, 0.3, 0}, {2.6, 1.7, 0}};
+  std::vector<double> off;
+  for (const double dt : {0.02, 0.002, 0.0003}) {
+    for (int step = 0; step < 40; ++step) {
+      flow.advance(state, dt, next);
+      std::swap(state, next);
+    }
+    const Point balance =
+        force_on_bodies(measured(setup, blocks, flow, next, box), measured(setup, blocks, flow, state, box));
+    const SurfaceLoad load = flow.body_loads(state)[0];
+    off.push_back((load.pressure_force[0] + load.viscous_force[0]) / balance[0] - 1);
+    RecordProperty("off_with_" + std::to_string(dt), std::to_string(off.back()));
+    EXPECT_LT(std::abs(off.back()), 0.012) << dt;
+  }
+  EXPECT_NEAR(off[2], off[0], 0.01);
+}
+
 TEST(FlowMomentumBalance, AgreesWithTheForceOnAMovingBody) {
   const int n = 20;
   const double period = 2, reach = 0.15, frequency = 2 * pi / period;
@@ -107,6 +137,7 @@ TEST(FlowMomentumBalance, AgreesWithTheForceOnAMovingBody) {
     const double surface = load.pressure_force[0] + load.viscous_force[0];
     square += surface * surface, difference += (surface - balance) * (surface - balance);
   }
+  RecordProperty("moving", std::to_string(std::sqrt(difference / square)));
   EXPECT_LT(std::sqrt(difference / square), 0.06);  // measured 3.7 %, with 12 cells a diameter
 }
 

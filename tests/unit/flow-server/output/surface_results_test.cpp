@@ -35,7 +35,7 @@ struct PressedBodies {
     state.velocity = std::move(placed.velocity);
     state.pressure = std::move(placed.pressure);
     state.bodies = std::move(placed.bodies);
-    loads = BodyLoads(placed.block, 0).measure(state);
+    loads = BodyLoads(placed.block, 0).measure(state, 1);
     for (const BodySurface& surface : state.bodies->surfaces()) {
       stored.push_back(stored_surface(surface));
       force.push_back(loads[force.size()].corner_force);
