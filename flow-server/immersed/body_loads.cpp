@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "flow-server/immersed/corner_sums.hpp"
 #include "flow-server/immersed/imposed_momentum.hpp"
 #include "flow-server/immersed/triangle_geometry.hpp"
 
@@ -40,39 +41,24 @@ Eigen::Matrix3d velocity_gradient_along(const BodySurface& surface, int triangle
          square;
 }
 
-/// Spreads forces on the points of walls to corners, each by the weights with which it moves.
+/// Spreads forces on walls to the corners of loads.
 class CornerForces {
+  auto to_loads() {
+    return [this](std::size_t surface, std::size_t corner, const Eigen::Vector3d& force) {
+      Eigen::Vector3d::Map(loads_[surface].corner_force[corner].data()) += force;
+    };
+  }
+
  public:
-  CornerForces(const BodyGeometry& bodies, std::vector<SurfaceLoad>& loads)
-      : bodies_(bodies), loads_(loads), on_middle_(bodies.cut().middles().size(), Eigen::Vector3d::Zero()) {}
+  CornerForces(const BodyGeometry& bodies, std::vector<SurfaceLoad>& loads) : sums_(bodies), loads_(loads) {}
 
-  /// A third to each point of the triangle, as its mean velocity is made of theirs.
-  void add(const WallTriangle& wall, const Eigen::Vector3d& force) {
-    for (const EdgeCrossing* end : wall.end) add(*end, force / 3);
-    on_middle_[static_cast<std::size_t>(wall.middle)] += force / 3;
-  }
-
-  /// Those on the middles, after all others.
-  void spread_middles() {
-    for (std::size_t m = 0; m < on_middle_.size(); ++m) {
-      const WallMiddle& middle = bodies_.cut().middles()[m];
-      for (int c = middle.first_crossing; c < middle.first_crossing + middle.n_crossings; ++c)
-        add(*bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)], on_middle_[m] / middle.n_crossings);
-    }
-  }
+  void add(const WallTriangle& wall, const Eigen::Vector3d& force) { sums_.add(wall, force, to_loads()); }
+  /// What stands on the middles, after all others.
+  void spread_middles() { sums_.spread_middles(to_loads()); }
 
  private:
-  void add(const EdgeCrossing& crossing, const Eigen::Vector3d& force) {
-    const auto s = static_cast<std::size_t>(crossing.surface);
-    const auto& corners = bodies_.surfaces()[s].triangle[static_cast<std::size_t>(crossing.triangle)];
-    for (std::size_t v = 0; v < 3; ++v)
-      Eigen::Vector3d::Map(loads_[s].corner_force[static_cast<std::size_t>(corners[v])].data()) +=
-          crossing.weight[static_cast<Eigen::Index>(v)] * force;
-  }
-
-  const BodyGeometry& bodies_;
+  CornerSums<Eigen::Vector3d> sums_;
   std::vector<SurfaceLoad>& loads_;
-  std::vector<Eigen::Vector3d> on_middle_;
 };
 
 /// A face of a component on the same side of the walls as a part of a cell: in the cell, or beyond an opening of the

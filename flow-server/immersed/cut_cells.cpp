@@ -2,50 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
 
 namespace couplet::flow {
 
 namespace {
 
-constexpr int n_edges = 12;
-
 /// Pieces of faces below this share count for nothing.
 constexpr double smallest_share = 1e-13;
-
-/// The edges of a cell: along d at the start or end of d + 1 and of d + 2.
-constexpr int edge_of_cell(int d, int at_next, int at_second) {
-  return 4 * d + at_next + 2 * at_second;
-}
-
-/// An edge of the face normal to d on a side of the cell, as an edge of the cell; edges of a face as in FaceCut.
-constexpr int edge_of_face(int d, int side, int edge) {
-  // Along d + 1: its next direction is d + 2, its second one d; along d + 2: next d, second d + 1.
-  return edge < 2 ? edge_of_cell((d + 1) % 3, edge, side) : edge_of_cell((d + 2) % 3, side, edge - 2);
-}
-
-constexpr int most_segments = n_edges * FaceCut::most_segments;
-
-/// Which of the numbers 0 .. n-1 belong together, n being at most the segments of a cell.
-class Unions {
- public:
-  explicit Unions(int n) { std::iota(parent_.begin(), parent_.begin() + n, 0); }
-  int root(int a) {
-    while (parent_[static_cast<std::size_t>(a)] != a) {
-      int& parent = parent_[static_cast<std::size_t>(a)];
-      parent = parent_[static_cast<std::size_t>(parent)];
-      a = parent;
-    }
-    return a;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-  }
-
- private:
-  std::array<int, most_segments> parent_;
-};
 
 Triple end_corner(const Triple& cell, int d, int side) {
   Triple corner = cell;
@@ -103,71 +66,30 @@ void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surface
   CutCell cut;
   cut.cell = cell;
   cut.first_part = static_cast<int>(parts_.size());
-  std::array<FaceCut, 6> faces{
+  const FacesOfCell faces{
       FaceCut(crossings_, 0, end_corner(cell, 0, 0)), FaceCut(crossings_, 0, end_corner(cell, 0, 1)),
       FaceCut(crossings_, 1, end_corner(cell, 1, 0)), FaceCut(crossings_, 1, end_corner(cell, 1, 1)),
       FaceCut(crossings_, 2, end_corner(cell, 2, 0)), FaceCut(crossings_, 2, end_corner(cell, 2, 1))};
 
-  // Parts: segments of the cell's edges that face pieces join.
-  std::array<int, n_edges + 1> first_segment{};
-  std::array<int, n_edges> n_segments{};
-  for (int d = 0; d < 3; ++d)
-    for (int side = 0; side < 2; ++side)
-      for (int edge = 0; edge < 4; ++edge)
-        n_segments[static_cast<std::size_t>(edge_of_face(d, side, edge))] =
-            faces[static_cast<std::size_t>(2 * d + side)].n_segments(edge);
-  for (std::size_t e = 0; e < n_edges; ++e) first_segment[e + 1] = first_segment[e] + n_segments[e];
-  Unions unions(first_segment[n_edges]);
-  for (int d = 0; d < 3; ++d)
-    for (int side = 0; side < 2; ++side) {
-      const FaceCut& face = faces[static_cast<std::size_t>(2 * d + side)];
-      std::array<int, FaceCut::most_chords + 1> first_of_piece;
-      first_of_piece.fill(-1);
-      for (int edge = 0; edge < 4; ++edge)
-        for (int s = 0; s < face.n_segments(edge); ++s) {
-          const int segment = first_segment[static_cast<std::size_t>(edge_of_face(d, side, edge))] + s;
-          int& first = first_of_piece[static_cast<std::size_t>(face.piece_of(edge, s))];
-          if (first < 0) first = segment;
-          unions.join(first, segment);
-        }
-    }
-  std::array<int, most_segments> part_of_root;
-  std::fill_n(part_of_root.begin(), first_segment[n_edges], -1);
-  const auto part_of_segment = [&](int segment) {
-    int& part = part_of_root[static_cast<std::size_t>(unions.root(segment))];
-    if (part < 0) {
-      part = static_cast<int>(parts_.size());
-      parts_.push_back({.cell = cell_index});
-    }
-    return part;
+  const ConnectedPieces connected(faces);
+  cut.n_parts = connected.n_parts();
+  for (int p = 0; p < cut.n_parts; ++p) parts_.push_back({.cell = cell_index});
+  const auto part_of = [&](std::size_t face, int piece) -> CellPart& {
+    return parts_[static_cast<std::size_t>(cut.first_part + connected.part_of(face, piece))];
   };
-  std::array<std::array<int, FaceCut::most_chords + 1>, 6> part_of_piece{};
-  for (int d = 0; d < 3; ++d)
-    for (int side = 0; side < 2; ++side) {
-      const FaceCut& face = faces[static_cast<std::size_t>(2 * d + side)];
-      for (int edge = 0; edge < 4; ++edge)
-        for (int s = 0; s < face.n_segments(edge); ++s)
-          part_of_piece[static_cast<std::size_t>(2 * d + side)][static_cast<std::size_t>(face.piece_of(edge, s))] =
-              part_of_segment(first_segment[static_cast<std::size_t>(edge_of_face(d, side, edge))] + s);
-    }
-  cut.n_parts = static_cast<int>(parts_.size()) - cut.first_part;
 
   // What is inside closed bodies: behind their chords, and where a corner is.
   for (std::size_t f = 0; f < 6; ++f)
     for (int c = 0; c < faces[f].n_chords(); ++c) {
       const Chord& chord = faces[f].chord(c);
       if (!surfaces[static_cast<std::size_t>(chord.surface())].is_closed) continue;
-      parts_[static_cast<std::size_t>(part_of_piece[f][static_cast<std::size_t>(chord.inner_piece)])].is_fluid = false;
+      part_of(f, chord.inner_piece).is_fluid = false;
     }
-  for (int d = 0; d < 1; ++d)  // the four edges along x hold all corners
-    for (int b1 = 0; b1 < 2; ++b1)
-      for (int b2 = 0; b2 < 2; ++b2)
-        for (int end = 0; end < 2; ++end) {
-          if (!crossings_.is_inside({cell[0] + end, cell[1] + b1, cell[2] + b2})) continue;
-          const auto edge = static_cast<std::size_t>(edge_of_cell(0, b1, b2));
-          const int segment = first_segment[edge] + (end == 0 ? 0 : n_segments[edge] - 1);
-          parts_[static_cast<std::size_t>(part_of_segment(segment))].is_fluid = false;
-        }
+  for (int x = 0; x < 2; ++x)
+    for (int y = 0; y < 2; ++y)
+      for (int z = 0; z < 2; ++z)
+        if (crossings_.is_inside({cell[0] + x, cell[1] + y, cell[2] + z}))
+          parts_[static_cast<std::size_t>(cut.first_part + connected.part_at_corner(x, y, z))].is_fluid = false;
 
   // Faces: made by the first cell that comes, completed by the second.
   for (int d = 0; d < 3; ++d) {
@@ -177,8 +99,8 @@ void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surface
          crossings_.position((d + 1) % 3, cell[(d + 1) % 3])) *
         (crossings_.position((d + 2) % 3, cell[(d + 2) % 3] + 1) - crossings_.position((d + 2) % 3, cell[(d + 2) % 3]));
     for (int side = 0; side < 2; ++side) {
-      const FaceCut& given = faces[static_cast<std::size_t>(2 * d + side)];
-      const auto& part = part_of_piece[static_cast<std::size_t>(2 * d + side)];
+      const auto f = static_cast<std::size_t>(2 * d + side);
+      const FaceCut& given = faces[f];
       const Triple at = end_corner(cell, d, side - 1);
       int& face_place = place(at).face[static_cast<std::size_t>(d)];
       if (face_place == 0) {
@@ -215,15 +137,15 @@ void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surface
       const CutFace& face = faces_[static_cast<std::size_t>(face_place - 1)];
       for (int p = 0; p < face.n_pieces; ++p) {
         FacePiece& piece = pieces_[static_cast<std::size_t>(face.first_piece + p)];
-        const int own = part[static_cast<std::size_t>(p)];
+        const int own = cut.first_part + connected.part_of(f, p);
         (side == 0 ? piece.upper_part : piece.lower_part) = own;
         if (piece.share > smallest_share) parts_[static_cast<std::size_t>(own)].open_area += piece.share * area;
       }
       cut.part_at_face[static_cast<std::size_t>(d)][static_cast<std::size_t>(side)] =
-          part[static_cast<std::size_t>(given.centre_piece())];
+          cut.first_part + connected.part_of(f, given.centre_piece());
     }
   }
-  add_walls(cut, faces, part_of_piece);
+  add_walls(cut, faces, connected);
 
   // The largest part takes the cell's place in the fields: where one flat wall cuts the cell, the one with its middle.
   double largest = 0;
@@ -241,8 +163,7 @@ void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surface
   place(cell).cell = static_cast<int>(cells_.size());
 }
 
-void CutCells::add_walls(CutCell& cut, const std::array<FaceCut, 6>& faces,
-                         const std::array<std::array<int, FaceCut::most_chords + 1>, 6>& part_of_piece) {
+void CutCells::add_walls(CutCell& cut, const FacesOfCell& faces, const ConnectedPieces& connected) {
   cut.first_wall = static_cast<int>(walls_.size());
   struct Middle {
     int surface;
@@ -288,8 +209,8 @@ void CutCells::add_walls(CutCell& cut, const std::array<FaceCut, 6>& faces,
       const Middle& middle = middle_of(chord.surface());
       WallTriangle wall;
       wall.surface = chord.surface();
-      wall.outer_part = part_of_piece[f][static_cast<std::size_t>(chord.outer_piece)];
-      wall.inner_part = part_of_piece[f][static_cast<std::size_t>(chord.inner_piece)];
+      wall.outer_part = cut.first_part + connected.part_of(f, chord.outer_piece);
+      wall.inner_part = cut.first_part + connected.part_of(f, chord.inner_piece);
       wall.end = {chord.from, chord.to};
       wall.middle = first_middle + static_cast<int>(&middle - middles.data());
       // The outer piece runs counterclockwise from `from` to `to`; seen from outside the cell that is so on the faces

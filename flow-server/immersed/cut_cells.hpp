@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "flow-server/immersed/face_cut.hpp"
+#include "flow-server/immersed/connected_pieces.hpp"
 
 namespace couplet::flow {
 
@@ -103,8 +103,7 @@ class CutCells {
 
  private:
   void add_cell(const Triple& cell, std::span<const BodySurface> surfaces);
-  void add_walls(CutCell& cut, const std::array<FaceCut, 6>& faces,
-                 const std::array<std::array<int, FaceCut::most_chords + 1>, 6>& part_of_piece);
+  void add_walls(CutCell& cut, const FacesOfCell& faces, const ConnectedPieces& connected);
 
   const StretchedGrid& grid_;
   const EdgeCrossings& crossings_;

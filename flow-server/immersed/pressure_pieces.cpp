@@ -146,6 +146,12 @@ bool PressurePieces::joins_cells(const CutFace& face, const FacePiece& piece) co
 
 void PressurePieces::add_middle_slope(const CutFace& face) {
   const Triple next = next_of(face);
+  // Cells are looked at one layer farther than pressures are known: no slope there, which nobody asks for.
+  const Box known = box_of(block_.sizes).grown(block_.ghosts);
+  if (!known.contains(face.face) || !known.contains(next)) {
+    first_slope_term_.push_back(static_cast<int>(slope_terms_.size()));
+    return;
+  }
   const auto further_of = [&](int part) {
     return part < 0 ? -1 : cut_.parts()[static_cast<std::size_t>(part)].further_piece;
   };

@@ -1,5 +1,7 @@
 #include "flow-server/immersed/wall_forcing.hpp"
 
+#include <algorithm>
+
 namespace couplet::flow {
 
 namespace {
@@ -39,8 +41,13 @@ WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<do
 
 void WallForcing::take_slopes_of_images(const BodyGeometry& now, const Field<double>& pressure) {
   for (int d = 0; d < block_.n_dimensions; ++d)
-    for (const Triple& face : now.layer().image_faces(d))
-      slope_[d](face[0], face[1], face[2]) = now.pieces().slope_between_cells(d, face, pressure);
+    for (const Triple& face : now.layer().image_faces(d)) {
+      // The pressure behind the last layer is not known: the slope before it stands in. Only images of ghosts that
+      // other ranks own reach there.
+      Triple from = face;
+      from[d] = std::min(from[d], block_.sizes[d] + block_.ghosts[d] - 2);
+      slope_[d](face[0], face[1], face[2]) = now.pieces().slope_between_cells(d, from, pressure);
+    }
 }
 
 /// Neighbours that a face sees, as far as they are near walls and stayed on their side.

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "flow-server/immersed/body_geometry.hpp"
+#include "flow-server/immersed/corner_sums.hpp"
 
 namespace couplet::flow {
 
@@ -15,11 +15,14 @@ namespace {
 /// Of what the walls around a corner give to it: area, outer and inner pressure times area, force of the pressure.
 using WallSums = Eigen::Matrix<double, 6, 1>;
 
-/// Spreads sums over the points of walls to corners, each by the weights with which these move them.
-class CornerSums {
+/// Of all corners of all surfaces, over all ranks.
+class SumsOfCorners {
+  auto to_corner() {
+    return [this](std::size_t surface, std::size_t corner, const WallSums& value) { of(surface, corner) += value; };
+  }
+
  public:
-  explicit CornerSums(const BodyGeometry& bodies)
-      : bodies_(bodies), on_middle_(bodies.cut().middles().size(), WallSums::Zero()) {
+  explicit SumsOfCorners(const BodyGeometry& bodies) : on_walls_(bodies) {
     for (const BodySurface& surface : bodies.surfaces()) {
       first_.push_back(n_corners_);
       n_corners_ += surface.position.size();
@@ -27,18 +30,11 @@ class CornerSums {
     sums_.assign(n_corners_ * WallSums::SizeAtCompileTime, 0.0);
   }
 
-  void add(const WallTriangle& wall, const WallSums& value) {
-    for (const EdgeCrossing* end : wall.end) add(*end, value / 3);
-    on_middle_[static_cast<std::size_t>(wall.middle)] += value / 3;
-  }
+  void add(const WallTriangle& wall, const WallSums& value) { on_walls_.add(wall, value, to_corner()); }
 
   /// After all walls; then sums over ranks.
   void finish(MPI_Comm communicator) {
-    for (std::size_t m = 0; m < on_middle_.size(); ++m) {
-      const WallMiddle& middle = bodies_.cut().middles()[m];
-      for (int c = middle.first_crossing; c < middle.first_crossing + middle.n_crossings; ++c)
-        add(*bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)], on_middle_[m] / middle.n_crossings);
-    }
+    on_walls_.spread_middles(to_corner());
     MPI_Allreduce(MPI_IN_PLACE, sums_.data(), static_cast<int>(sums_.size()), MPI_DOUBLE, MPI_SUM, communicator);
   }
 
@@ -47,21 +43,13 @@ class CornerSums {
   }
 
  private:
-  void add(const EdgeCrossing& crossing, const WallSums& value) {
-    const auto s = static_cast<std::size_t>(crossing.surface);
-    const auto& corners = bodies_.surfaces()[s].triangle[static_cast<std::size_t>(crossing.triangle)];
-    for (std::size_t v = 0; v < 3; ++v)
-      of(s, static_cast<std::size_t>(corners[v])) += crossing.weight[static_cast<Eigen::Index>(v)] * value;
-  }
-
-  const BodyGeometry& bodies_;
-  std::vector<WallSums> on_middle_;
+  CornerSums<WallSums> on_walls_;
   std::vector<std::size_t> first_;  // corner of each surface
   std::size_t n_corners_ = 0;
   std::vector<double> sums_;
 };
 
-void add_walls(const FlowPart& part, CornerSums& sums) {
+void add_walls(const FlowPart& part, SumsOfCorners& sums) {
   const BodyGeometry& bodies = *part.state.bodies;
   const CutCells& cut = bodies.cut();
   const Box mine = box_of(part.decomposition.mine().sizes());
@@ -173,7 +161,7 @@ std::vector<SurfaceValues> measure_surfaces(const FlowPart& part, std::span<cons
                                             std::span<const SurfaceLoad> loads,
                                             std::span<const std::vector<Point>> force) {
   const std::vector<BodySurface>& bodies = part.state.bodies->surfaces();
-  CornerSums sums(*part.state.bodies);
+  SumsOfCorners sums(*part.state.bodies);
   add_walls(part, sums);
   sums.finish(part.decomposition.communicator());
   std::vector<SurfaceValues> all;

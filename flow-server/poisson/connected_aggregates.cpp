@@ -1,256 +1,22 @@
 #include "flow-server/poisson/connected_aggregates.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <map>
 #include <tuple>
 
 namespace couplet::flow {
 
-namespace {
-
-// Below that part of the strongest coupling of either end a face or link does not make one aggregate of two unknowns: a
-// gap that is nearly closed separates the sides on coarse levels too.
-constexpr double weak_coupling = 0.1;
-// Cells with smaller faces, beside a wall, stay where they are: what they join hardly matters.
-constexpr double sliver_share = 0.05;
-
-constexpr int outside = std::numeric_limits<int>::min();
-constexpr int ghost_layers = 4;
-
-}  // namespace
-
-/// One level while its aggregates are chosen.
-class ConnectedAggregates::Choice {
- public:
-  Choice(const FineLevel& fine, Field<float>& code) : fine_(fine), mine_(fine.decomposition.mine()), cell_code_(code) {
-    for (int d = 0; d < 3; ++d) {
-      const LevelAxis& axis = fine.axes[d];
-      const Merging& merging = fine.merging[d];
-      coarse_box_.begin[d] = merging.coarse_of(mine_.begin[d]);
-      coarse_box_.end[d] = merging.coarse_of(mine_.end[d] - 1) + 1;
-      for (int i = mine_.begin[d] - ghost_layers; i < mine_.end[d] + ghost_layers; ++i) {
-        const int n = axis.n_cells(), image = i < 0 ? -1 : i >= n ? 1 : 0;
-        const bool is_outside = image != 0 && !(axis.is_periodic && axis.has_terms);
-        coarse_[d].push_back(is_outside ? outside
-                                        : merging.coarse_of(i - image * n) + image * merging.n_coarse() -
-                                              coarse_box_.begin[d]);
-        width_[d].push_back(is_outside ? 0 : axis.width[i - image * n]);
-      }
-    }
-    if (!fine.pieces) return;
-    piece_code_.assign(static_cast<std::size_t>(fine.pieces->n_pieces()), 0.0f);
-    piece_row_.assign(piece_code_.size(), nullptr);
-    for (const PieceRows::Row& row : fine.pieces->rows().pieces()) {
-      piece_row_[row.unknown.piece] = &row;
-      if (box_of(mine_.sizes()).contains(row.unknown.cell))
-        pieces_.push_back({group_number(group_of(row.unknown.cell)), row.unknown});
-    }
-    std::stable_sort(pieces_.begin(), pieces_.end(),
-                     [](const PieceOfGroup& a, const PieceOfGroup& b) { return a.group < b.group; });
-  }
-
-  const Box& coarse_box() const { return coarse_box_; }
-  Triple group_of(const Triple& cell) const {
-    return {coarse_at(0, cell[0]), coarse_at(1, cell[1]), coarse_at(2, cell[2])};
-  }
-  bool is_beyond_border(const Triple& cell) const {
-    return coarse_at(0, cell[0]) == outside || coarse_at(1, cell[1]) == outside || coarse_at(2, cell[2]) == outside;
-  }
-  double width_at(int d, int i) const { return width_[d][static_cast<std::size_t>(i + ghost_layers)]; }
-  double volume(const Triple& cell) const { return width_at(0, cell[0]) * width_at(1, cell[1]) * width_at(2, cell[2]); }
-  double coarse_width(int d, int C) const {
-    const int n = fine_.coarse_axes[d].n_cells();
-    return fine_.coarse_axes[d].width[((coarse_box_.begin[d] + C) % n + n) % n];
-  }
-  int code(const PressureUnknown& u) const {
-    return static_cast<int>(u.piece < 0 ? cell_code_(u.cell[0], u.cell[1], u.cell[2]) : piece_code_[u.piece]);
-  }
-  void exchange(HaloExchange& halo) {
-    halo.exchange<float>({&cell_code_}, 1);
-    if (fine_.pieces) fine_.pieces->exchange(piece_code_);
-  }
-
-  /// The aggregates of one coarse cell; appends its cells that do not belong to the coarse cell itself.
-  void cut(const Triple& C, std::vector<Triple>& members) {
-    Box cells;
-    for (int d = 0; d < 3; ++d) {
-      cells.begin[d] = fine_.merging[d].first[C[d] + coarse_box_.begin[d]] - mine_.begin[d];
-      cells.end[d] = fine_.merging[d].first[C[d] + 1 + coarse_box_.begin[d]] - mine_.begin[d];
-    }
-    const std::size_t group = group_number(C);
-    const auto begin = std::lower_bound(pieces_.begin(), pieces_.end(), group,
-                                        [](const PieceOfGroup& a, std::size_t b) { return a.group < b; });
-    auto end = begin;
-    while (end != pieces_.end() && end->group == group) ++end;
-    const bool has_pieces = begin != end;
-    if (!has_pieces && !has_weak_face(cells)) return;
-    std::vector<PressureUnknown> all;
-    for (int k = cells.begin[2]; k < cells.end[2]; ++k)
-      for (int j = cells.begin[1]; j < cells.end[1]; ++j)
-        for (int i = cells.begin[0]; i < cells.end[0]; ++i)
-          if ((*fine_.inverse_diagonal)(i, j, k) != 0) all.push_back({{i, j, k}, -1});
-    for (auto piece = begin; piece != end; ++piece) all.push_back(piece->unknown);
-    if (all.empty()) return;
-    number_parts(all, has_pieces);
-    for (const PressureUnknown& u : all)
-      if (u.piece < 0 && code(u) != 0) members.push_back(u.cell);
-  }
-
-  /// Calls visit(other, direction, side, share, area, conductance) for each neighbour, those beyond an open border too;
-  /// share: of a full face of that area; direction -1: in the same cell.
-  template <class Visit>
-  void for_neighbours(const PressureUnknown& u, const Visit& visit) const {
-    const Triple& c = u.cell;
-    const PieceRows::Row* row = u.piece < 0 ? nullptr : piece_row_[u.piece];
-    if (u.piece < 0)
-      for (int d = 0; d < 3; ++d) {
-        if (!fine_.axes[d].has_terms) continue;
-        for (const int side : {-1, 1}) {
-          PressureUnknown other{c, -1};
-          other.cell[d] += side;
-          const Triple& face = side < 0 ? other.cell : c;
-          const double share = static_cast<double>((*fine_.share)[d](face[0], face[1], face[2]));
-          if (share == 0) continue;
-          const double area = volume(c) / width_at(d, c[d]);
-          visit(other, d, side, share, area, share * area / distance(d, c[d], side));
-        }
-      }
-    if (!fine_.pieces) return;
-    if (u.piece < 0)
-      for (const PieceRows::Row& one : fine_.pieces->rows().cells(c[1], c[2]))
-        if (one.unknown.cell[0] == c[0]) row = &one;
-    if (!row) return;
-    for (const PieceRows::Entry& entry : fine_.pieces->rows().entries(*row)) {
-      int direction = -1, side = 0;
-      double length = std::numeric_limits<double>::infinity();  // of the cell along the link
-      for (int d = 0; d < 3; ++d) {
-        if (entry.other.cell == c && fine_.axes[d].has_terms) length = std::min(length, width_at(d, c[d]));
-        if (entry.other.cell[d] != c[d]) direction = d, side = entry.other.cell[d] - c[d], length = width_at(d, c[d]);
-      }
-      const double conductance = entry.coefficient * row->volume, area = row->volume / length;
-      const double apart = direction < 0 ? length : distance(direction, c[direction], side);
-      visit(entry.other, direction, side, conductance * apart / area, area, conductance);
-    }
-  }
-  /// Between the centres of a cell and the next one, or the border.
-  double distance(int d, int i, int side) const { return 0.5 * (width_at(d, i) + width_at(d, i + side)); }
-
- private:
-  int coarse_at(int d, int i) const { return coarse_[d][static_cast<std::size_t>(i + ghost_layers)]; }
-  std::size_t group_number(const Triple& C) const {
-    return static_cast<std::size_t>(C[0] + coarse_box_.size(0) * (C[1] + coarse_box_.size(1) * C[2]));
-  }
-  bool has_weak_face(const Box& cells) const {
-    const Field<float>& inverse = *fine_.inverse_diagonal;
-    for (int d = 0; d < 3; ++d) {
-      if (!fine_.axes[d].has_terms) continue;
-      for (int k = cells.begin[2]; k < cells.end[2] - (d == 2); ++k)
-        for (int j = cells.begin[1]; j < cells.end[1] - (d == 1); ++j)
-          for (int i = cells.begin[0]; i < cells.end[0] - (d == 0); ++i) {
-            if (static_cast<double>((*fine_.share)[d](i, j, k)) >= weak_coupling) continue;
-            if (inverse(i, j, k) != 0 && inverse(i + (d == 0), j + (d == 1), k + (d == 2)) != 0) return true;
-          }
-    }
-    return false;
-  }
-
-  void number_parts(const std::vector<PressureUnknown>& all, bool has_pieces) {
-    const std::size_t n = all.size();
-    couplings_.clear();
-    // Cells stand in rising order, then pieces.
-    const auto is_before = [](const PressureUnknown& u, const PressureUnknown& v) {
-      const bool u_is_piece = u.piece >= 0, v_is_piece = v.piece >= 0;
-      if (u_is_piece != v_is_piece) return v_is_piece;
-      if (u_is_piece) return u.piece < v.piece;
-      return std::tie(u.cell[2], u.cell[1], u.cell[0]) < std::tie(v.cell[2], v.cell[1], v.cell[0]);
-    };
-    const auto place_of = [&](const PressureUnknown& u) {
-      const auto at = std::lower_bound(all.begin(), all.end(), u, is_before);
-      return at != all.end() && at->cell == u.cell && at->piece == u.piece ? static_cast<std::size_t>(at - all.begin())
-                                                                           : n;
-    };
-    unknowns_.assign(n, {0, 0, 0, n, 0, 0, -1});
-    for (std::size_t a = 0; a < n; ++a) {
-      unknowns_[a].root = a;
-      for_neighbours(all[a], [&](const PressureUnknown& other, int, int, double share, double, double) {
-        Unknown& own = unknowns_[a];
-        own.most = std::max(own.most, std::min(share, 1.0));
-        own.sum += share;
-        const std::size_t b = place_of(other);
-        if (share > own.strongest) own.strongest = share, own.closest = b;
-        if (b < n) couplings_.push_back({a, b, share});
-      });
-    }
-    const auto root_of = [&](std::size_t u) {
-      while (unknowns_[u].root != u) u = unknowns_[u].root = unknowns_[unknowns_[u].root].root;
-      return u;
-    };
-    for (const Coupling& one : couplings_)
-      if (one.share >= weak_coupling * std::max(unknowns_[one.a].most, unknowns_[one.b].most))
-        unknowns_[root_of(one.b)].root = root_of(one.a);
-    for (std::size_t a = 0; a < n; ++a)
-      if (unknowns_[a].closest < n) unknowns_[root_of(unknowns_[a].closest)].root = root_of(a);
-    for (std::size_t u = 0; u < n; ++u) ++unknowns_[root_of(u)].size;
-    std::size_t largest = 0;  // the last of those of one size: the same choice along a sheet
-    for (std::size_t u = 0; u < n; ++u)
-      if (unknowns_[root_of(u)].size >= unknowns_[root_of(largest)].size) largest = u;
-    int n_faces = 0, n_parts = 0;
-    for (int d = 0; d < 3; ++d) n_faces += fine_.axes[d].has_terms ? 2 : 0;
-    unknowns_[root_of(largest)].number = 0;
-    for (std::size_t u = 0; u < n; ++u) {
-      int part = 0;
-      if (has_pieces || unknowns_[u].sum >= sliver_share * n_faces) {
-        int& number = unknowns_[root_of(u)].number;
-        if (number < 0) number = ++n_parts;
-        part = number;
-      }
-      float& code =
-          all[u].piece < 0 ? cell_code_(all[u].cell[0], all[u].cell[1], all[u].cell[2]) : piece_code_[all[u].piece];
-      if (part != 0 || all[u].piece >= 0) code = static_cast<float>(part);
-    }
-  }
-
-  const FineLevel& fine_;
-  Box mine_, coarse_box_;  // in indices of the whole
-  Field<float>& cell_code_;
-  std::array<std::vector<int>, 3> coarse_;        // local coarse index of each cell from the first ghost on
-  std::array<std::vector<double>, 3> width_;      // likewise; 0 beyond a border
-  std::vector<float> piece_code_;                 // (n_pieces)
-  std::vector<const PieceRows::Row*> piece_row_;  // (n_pieces) none: too far off
-  struct Coupling {
-    std::size_t a, b;
-    double share;
-  };
-  /// Of those that become one coarse cell.
-  struct Unknown {
-    double most, sum;  // of its couplings, capped at a full face; of all
-    double strongest;
-    std::size_t closest;  // across the strongest coupling, where it is of the same coarse cell
-    std::size_t root;     // of the tree of those that are connected
-    int size, number;     // of what is connected, at its root
-  };
-  std::vector<Coupling> couplings_;
-  std::vector<Unknown> unknowns_;
-  struct PieceOfGroup {
-    std::size_t group;
-    PressureUnknown unknown;
-  };
-  std::vector<PieceOfGroup> pieces_;  // of this block, in rising order of groups
-};
-
 ConnectedAggregates::ConnectedAggregates(const FineLevel& fine) : sizes_(fine.decomposition.mine().sizes()) {
   if (!fine.decomposition.has_cells()) return;
   Triple layers;
-  for (int d = 0; d < 3; ++d) layers[d] = fine.axes[d].has_terms ? ghost_layers : 0;
+  for (int d = 0; d < 3; ++d) layers[d] = fine.axes[d].has_terms ? AggregateChoice::ghost_layers : 0;
   code_ = Field<float>(sizes_, layers);
-  touched_ = CellMask(box_of(Choice(fine, code_).coarse_box().sizes()));
+  touched_ = CellMask(box_of(AggregateChoice(fine, code_).coarse_box().sizes()));
 }
 
 void ConnectedAggregates::update(const FineLevel& fine, const CellMask& changed, HaloExchange& halo) {
   if (!fine.decomposition.has_cells()) return;
-  Choice choice(fine, code_);
+  AggregateChoice choice(fine, code_);
   touched_.clear();
   changed.for_each([&](const Triple& cell) { touched_.add(choice.group_of(cell)); });
   for (const Member& member : members_) {
@@ -269,7 +35,8 @@ void ConnectedAggregates::update(const FineLevel& fine, const CellMask& changed,
   for (const ShareTerm& term : share_terms_) touched_.add_beside_face(term.direction, term.coarse);
 }
 
-void ConnectedAggregates::find_members(const FineLevel& fine, const Choice& choice, std::vector<Triple> cells) {
+void ConnectedAggregates::find_members(const FineLevel& fine, const AggregateChoice& choice,
+                                       std::vector<Triple> cells) {
   members_.clear(), first_.clear(), coarse_pieces_.clear();
   const Box mine = box_of(sizes_);
   const Box& coarse_box = choice.coarse_box();
@@ -309,7 +76,7 @@ void ConnectedAggregates::find_members(const FineLevel& fine, const Choice& choi
       if (mine.contains(row.unknown.cell)) add_member(row.unknown);
 }
 
-void ConnectedAggregates::find_links(const FineLevel& fine, const Choice& choice) {
+void ConnectedAggregates::find_links(const FineLevel& fine, const AggregateChoice& choice) {
   coarse_links_.clear(), share_terms_.clear();
   const Box mine = box_of(sizes_);
   const Triple origin = fine.decomposition.mine().begin;

@@ -1,28 +1,13 @@
 #pragma once
 // Which unknowns of a level are merged into one of the next coarser level where sheets cut the cells.
 
-#include <array>
 #include <span>
 #include <vector>
 
-#include "flow-server/grid/field.hpp"
-#include "flow-server/grid/halo_exchange.hpp"
+#include "flow-server/poisson/aggregate_choice.hpp"
 #include "flow-server/poisson/cell_mask.hpp"
-#include "flow-server/poisson/coarsening.hpp"
-#include "flow-server/poisson/level_pieces.hpp"
 
 namespace couplet::flow {
-
-/// What the choice of aggregates needs to know of a fine level.
-struct FineLevel {
-  const std::array<LevelAxis, 3>& axes;
-  const BlockDecomposition& decomposition;
-  const FaceFractions* share;             // four filled ghost layers; none: whole borders
-  const Field<float>* inverse_diagonal;   // where there are shares; 0: inactive
-  const std::array<Merging, 3>& merging;  // of the whole
-  const std::array<LevelAxis, 3>& coarse_axes;
-  LevelPieces* pieces;  // none: no cell of the level is split
-};
 
 /// The unknowns of the cells that become one coarse cell form as many aggregates as they have connected parts: so the
 /// two sides of a sheet never mix, and neither do two gaps between sheets. The largest part has the coarse cell, the
@@ -65,9 +50,8 @@ class ConnectedAggregates {
   std::size_t n_bytes() const;
 
  private:
-  class Choice;  // while aggregates are chosen
-  void find_members(const FineLevel& fine, const Choice& choice, std::vector<Triple> cells);
-  void find_links(const FineLevel& fine, const Choice& choice);
+  void find_members(const FineLevel& fine, const AggregateChoice& choice, std::vector<Triple> cells);
+  void find_links(const FineLevel& fine, const AggregateChoice& choice);
 
   Triple sizes_;
   CellMask touched_;

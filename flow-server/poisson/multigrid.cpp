@@ -1,6 +1,7 @@
 #include "flow-server/poisson/multigrid.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "proto/report/failure.hpp"
 
@@ -10,12 +11,6 @@ namespace {
 
 // A block with fewer cells is worked off faster than messages to its neighbours arrive; measured with two ranks.
 constexpr std::int64_t worthwhile_block = 16 * 16 * 16;
-
-RankBoxes boxes_of(const BlockDecomposition& blocks) {
-  RankBoxes boxes;
-  for (int rank = 0; rank < blocks.n_ranks(); ++rank) boxes.push_back(blocks.owned(rank));
-  return boxes;
-}
 
 /// The boxes of coarse cells over boxes of fine ones whose borders are borders of coarse cells.
 RankBoxes boxes_over(const RankBoxes& fine, const std::array<Merging, 3>& merging) {
@@ -31,46 +26,28 @@ RankBoxes boxes_over(const RankBoxes& fine, const std::array<Merging, 3>& mergin
   return coarse;
 }
 
-/// With the faces at the start of the whole, which belong to the first cells.
-RankBoxes with_first_faces(RankBoxes boxes, const std::array<LevelAxis, 3>& axes) {
-  for (Box& box : boxes)
-    for (int d = 0; d < 3; ++d)
-      if (!box.is_empty() && axes[d].has_terms && !axes[d].is_periodic && box.begin[d] == 0) --box.begin[d];
-  return boxes;
-}
-
-std::array<bool, 3> periodicity(const std::array<LevelAxis, 3>& axes) {
-  return {axes[0].is_periodic, axes[1].is_periodic, axes[2].is_periodic};
+/// The same for the borders between them.
+std::array<Partition, 3> partitions_over(std::array<Partition, 3> fine, const std::array<Merging, 3>& merging) {
+  for (int d = 0; d < 3; ++d)
+    for (int& start : fine[d].start)
+      start = start == merging[d].n_fine() ? merging[d].n_coarse() : merging[d].coarse_of(start);
+  return fine;
 }
 
 int n_with_cells(const RankBoxes& boxes) {
   return static_cast<int>(std::count_if(boxes.begin(), boxes.end(), [](const Box& box) { return !box.is_empty(); }));
 }
 
-Triple n_cells_of(const std::array<LevelAxis, 3>& axes) {
-  return {axes[0].n_cells(), axes[1].n_cells(), axes[2].n_cells()};
-}
-
 std::int64_t n_all(const Triple& n) {
   return static_cast<std::int64_t>(n[0]) * n[1] * n[2];
 }
 
-Triple one_layer(const std::array<LevelAxis, 3>& axes) {
-  return {axes[0].has_terms, axes[1].has_terms, axes[2].has_terms};
-}
-
-RankBoxes with_neighbours(RankBoxes boxes, const std::array<LevelAxis, 3>& axes) {
-  for (Box& box : boxes)
-    if (!box.is_empty()) box = box.grown(one_layer(axes));
-  return boxes;
-}
-
 /// With the ghost layers of a level.
 RankBoxes with_smoothed_layers(RankBoxes boxes, const std::array<LevelAxis, 3>& axes) {
-  const Triple layer = one_layer(axes);
+  Triple layers;
+  for (int d = 0; d < 3; ++d) layers[d] = axes[d].has_terms ? multigrid_depth : 0;
   for (Box& box : boxes)
-    if (!box.is_empty())
-      box = box.grown({layer[0] * multigrid_depth, layer[1] * multigrid_depth, layer[2] * multigrid_depth});
+    if (!box.is_empty()) box = box.grown(layers);
   return boxes;
 }
 
@@ -128,42 +105,6 @@ std::array<Partition, 3> suitable_partitions(const StretchedGrid& grid, const Tr
   return {equal_parts(n[0], shape[0], 1), equal_parts(n[1], shape[1], 1), equal_parts(n[2], shape[2], 1)};
 }
 
-Multigrid::Passage::Passage(const RankBoxes& boxes, const BlockDecomposition& blocks,
-                            const std::array<LevelAxis, 3>& axes)
-    : over(boxes),
-      down(blocks.communicator(), over, boxes_of(blocks), n_cells_of(axes), periodicity(axes)),
-      up(blocks.communicator(), boxes_of(blocks), with_neighbours(over, axes), n_cells_of(axes), periodicity(axes)) {
-  const Box& mine = over[static_cast<std::size_t>(blocks.rank())];
-  rhs = Field<float>(mine.sizes(), {0, 0, 0});
-  phi = Field<float>(mine.sizes(), one_layer(axes));
-  over_origin = mine.begin, block_origin = blocks.mine().begin;
-}
-
-void Multigrid::Passage::bring_shares_to(MultigridLevel& level) const {
-  const BlockDecomposition& blocks = level.decomposition();
-  const auto& axes = level.axes();
-  Redistribution faces(blocks.communicator(), with_first_faces(over, axes), with_first_faces(boxes_of(blocks), axes),
-                       n_cells_of(axes), periodicity(axes));
-  const Triple sizes = blocks.mine().sizes();
-  for (int d = 0; d < 3; ++d) {
-    Field<float> moved(sizes, one_layer(axes));
-    faces.move((*share)[d], over_origin, moved, block_origin);
-    if (!blocks.has_cells() || !axes[d].has_terms) continue;
-    Box mine = box_of(sizes);
-    if (blocks.is_at_border(d, 0)) --mine.begin[d];
-    for (int k = mine.begin[2]; k < mine.end[2]; ++k)
-      for (int j = mine.begin[1]; j < mine.end[1]; ++j)
-        for (int i = mine.begin[0]; i < mine.end[0]; ++i) level.set_share(d, {i, j, k}, moved(i, j, k));
-  }
-}
-
-void Multigrid::Passage::take_shares_from(const MultigridLevel& level) {
-  const BlockDecomposition& blocks = level.decomposition();
-  Redistribution faces(blocks.communicator(), with_first_faces(boxes_of(blocks), level.axes()),
-                       with_neighbours(over, level.axes()), n_cells_of(level.axes()), periodicity(level.axes()));
-  for (int d = 0; d < 3; ++d) faces.move(level.share()[d], block_origin, (*share)[d], over_origin);
-}
-
 Multigrid::Multigrid(const PressureProblem& problem) : plan_(plan_levels(finest_axes(problem))) {
   lay_out(problem);
   const Box everything = box_of(problem.decomposition->mine().sizes());
@@ -193,9 +134,9 @@ void Multigrid::lay_out(const PressureProblem& problem) {
     if (!stays) partitions = new_partitions(plan_, l, is_last ? 1 : l == 0 ? n_now : std::min(n_now, n_worthwhile));
     blocks_.push_back(std::make_unique<BlockDecomposition>(given.communicator(), partitions, periodicity(axes)));
     const BlockDecomposition& blocks = *blocks_.back();
-    std::unique_ptr<Passage> passage;
+    std::unique_ptr<LevelPassage> passage;
     if (boxes_of(blocks) != over) {
-      passage = std::make_unique<Passage>(over, blocks, axes);
+      passage = std::make_unique<LevelPassage>(over, blocks, axes);
       if (problem.open_share) {
         passage->share.emplace();
         for (Field<float>& field : *passage->share) field = Field<float>(passage->phi.sizes(), passage->phi.ghosts());
@@ -210,9 +151,7 @@ void Multigrid::lay_out(const PressureProblem& problem) {
     const auto& merging = plan_.merging[static_cast<std::size_t>(l)];
     levels_.back()->join(merging, plan_.axes[static_cast<std::size_t>(l + 1)]);
     over = boxes_over(boxes_of(blocks), merging);
-    for (int d = 0; d < 3; ++d)
-      for (int& start : partitions[d].start)
-        start = start == merging[d].n_fine() ? merging[d].n_coarse() : merging[d].coarse_of(start);
+    partitions = partitions_over(std::move(partitions), merging);
   }
   piece_passages_.resize(levels_.size());
 }
@@ -259,7 +198,7 @@ void Multigrid::update(const PressureProblem& problem, std::span<const Box> chan
     for (std::size_t l = 0; l < levels_.size(); ++l) {
       MultigridLevel& level = *levels_[l];
       const BlockDecomposition& blocks = level.decomposition();
-      Passage* passage = l == 0 ? entry_.get() : passages_[l - 1].get();
+      LevelPassage* passage = l == 0 ? entry_.get() : passages_[l - 1].get();
       if (passage) passage->bring_shares_to(level);
       links = links_in(with_smoothed_layers(boxes_of(blocks), level.axes()), links, blocks);
       const bool is_split = is_any(!links.empty(), given.communicator());
@@ -282,11 +221,7 @@ void Multigrid::update(const PressureProblem& problem, std::span<const Box> chan
       });
       links = transfer.aggregates().coarse_links();
       names_over = transfer.aggregates().coarse_pieces();
-      const auto& merging = plan_.merging[l];
-      over_partitions = blocks.partitions();
-      for (int d = 0; d < 3; ++d)
-        for (int& start : over_partitions[d].start)
-          start = start == merging[d].n_fine() ? merging[d].n_coarse() : merging[d].coarse_of(start);
+      over_partitions = partitions_over(blocks.partitions(), plan_.merging[l]);
     }
   }
   if (levels_.back()->decomposition().has_cells()) coarsest_ = std::make_unique<CoarsestSolve>(*levels_.back());
@@ -299,7 +234,7 @@ void Multigrid::descend(std::size_t l) {
     return;
   }
   MultigridLevel& coarse = *levels_[l + 1];
-  Passage* passage = passages_[l].get();
+  LevelPassage* passage = passages_[l].get();
   level.halo().exchange<float>({&level.rhs}, multigrid_depth);
   level.smooth_and_restrict(passage ? passage->rhs : coarse.rhs);
   if (passage) passage->down.move(passage->rhs, passage->over_origin, coarse.rhs, passage->block_origin);
@@ -381,7 +316,7 @@ const Field<float>& Multigrid::fetch_coarse(std::size_t l) {
   MultigridLevel& coarse = *levels_[l + 1];
   if (PiecePassage* pieces = piece_passages_[l + 1].get())
     pieces->up.move(coarse.pieces()->phi.data(), levels_[l]->transfer().coarse_pieces_phi.data());
-  Passage* passage = passages_[l].get();
+  LevelPassage* passage = passages_[l].get();
   if (!passage) {
     coarse.halo().exchange<float>({&coarse.phi}, 1);
     return coarse.phi;
@@ -403,14 +338,9 @@ void Multigrid::return_finest() {
 std::size_t Multigrid::n_bytes() const {
   std::size_t n = 0;
   for (const auto& level : levels_) n += level->n_bytes();
-  const auto add = [&](const Passage& passage) {
-    n += passage.rhs.n_bytes() + passage.phi.n_bytes();
-    if (passage.share)
-      for (const Field<float>& field : *passage.share) n += field.n_bytes();
-  };
-  if (entry_) add(*entry_);
+  if (entry_) n += entry_->n_bytes();
   for (const auto& passage : passages_)
-    if (passage) add(*passage);
+    if (passage) n += passage->n_bytes();
   return n;
 }
 
@@ -419,7 +349,7 @@ Traffic Multigrid::traffic() const {
   for (const auto& level : levels_) sum += level->traffic();
   for (const auto& pieces : piece_passages_)
     if (pieces) sum += pieces->down.traffic(), sum += pieces->up.traffic();
-  const auto add = [&](const Passage& passage) { sum += passage.down.traffic(), sum += passage.up.traffic(); };
+  const auto add = [&](const LevelPassage& passage) { sum += passage.down.traffic(), sum += passage.up.traffic(); };
   if (entry_) add(*entry_);
   for (const auto& passage : passages_)
     if (passage) add(*passage);

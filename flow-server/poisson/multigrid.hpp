@@ -3,13 +3,11 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "flow-server/grid/redistribution.hpp"
 #include "flow-server/poisson/coarsest_solve.hpp"
-#include "flow-server/poisson/multigrid_level.hpp"
+#include "flow-server/poisson/level_passage.hpp"
 
 namespace couplet::flow {
 
@@ -61,19 +59,6 @@ class Multigrid {
   Traffic traffic() const;
 
  private:
-  /// Between the blocks of a level and other blocks of the same cells: those that lie over the blocks of the next finer
-  /// level, or those of the problem.
-  struct Passage {
-    Passage(const RankBoxes& over, const BlockDecomposition& blocks, const std::array<LevelAxis, 3>& axes);
-    void bring_shares_to(MultigridLevel& level) const;
-    void take_shares_from(const MultigridLevel& level);
-
-    RankBoxes over;
-    Redistribution down, up;
-    Triple over_origin, block_origin;
-    Field<float> rhs, phi;               // on the other blocks; phi with one ghost layer
-    std::optional<FaceFractions> share;  // likewise, where the problem has shares
-  };
   void lay_out(const PressureProblem& problem);
   void take_shares_of(const PressureProblem& problem, std::span<const Box> changed);
   bool has_part_alone(std::size_t level);  // an unknown that belongs to nothing on the next one
@@ -84,8 +69,8 @@ class Multigrid {
   LevelPlan plan_;
   std::vector<std::unique_ptr<BlockDecomposition>> blocks_;  // of each level
   std::vector<std::unique_ptr<MultigridLevel>> levels_;
-  std::vector<std::unique_ptr<Passage>> passages_;  // from level l to l + 1; empty where blocks lie over blocks
-  std::unique_ptr<Passage> entry_;                  // from the blocks of the problem to level 0
+  std::vector<std::unique_ptr<LevelPassage>> passages_;  // from level l to l + 1; empty where blocks lie over blocks
+  std::unique_ptr<LevelPassage> entry_;                  // from the blocks of the problem to level 0
   /// Where the cells of a level are split: from the pieces over the next finer level (of the problem) and back.
   struct PiecePassage {
     PieceExchange down, up;

@@ -122,6 +122,7 @@ std::vector<double> samples(const Evidence& evidence) {
 SummaryQuantity derive_quantity(const v1::Quantity& quantity, const Table& history) {
   const Evidence evidence{quantity, history};
   SummaryQuantity result{.name = quantity.name(), .unit = history.columns[history.find(quantity.column())].unit};
+  if (quantity.has_result_unit()) result.unit = quantity.result_unit();
   if (history.n_rows() == 0) throw report::NumericsError("history", "it has no rows", "run longer");
   const double offset = quantity.offset();
   const auto by_cycle = [&](const std::function<double(const Cycle&)>& number) {

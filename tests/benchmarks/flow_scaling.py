@@ -1,22 +1,14 @@
 #!/usr/bin/python3
 """Messages and bytes of a flow step, counted on 1 to 64 ranks, and what a model of them says about 4096 ranks."""
 
-import argparse
-import json
 import math
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import matplotlib
 import numpy
+import rank_measurement
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
-
-MPI = ["mpirun", "--oversubscribe", "--bind-to", "none"]
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
 
 # A usual cluster, stated and not measured: latency of a message between nodes, a rank's share of the network, and how much slower a
 # core works when all cores of its processor share the memory.
@@ -30,14 +22,8 @@ RANKS = [64, 512, 4096]
 COUNTED = [(1, 32), (2, 32), (4, 32), (8, 32), (16, 32), (32, 32), (64, 32), (8, 16), (8, 64), (64, 16), (64, 64), (64, 128)]
 
 
-def measure(ranks, cells, steps, pressure="multigrid"):
-    program = str(Path(__file__).resolve().parent / "measure-taylor-green")
-    command = MPI + ["-n", str(ranks), program, "--n", str(cells), "--steps", str(steps), "--pressure", pressure]
-    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **ENVIRONMENT})
-    if done.returncode != 0:
-        sys.exit(f"the measurement on {ranks} ranks ended with exit code {done.returncode}: "
-                 f"{(done.stderr.strip().splitlines() or [''])[0]}")
-    return json.loads(done.stdout)
+def measure(ranks, cells, steps):
+    return rank_measurement.measure("measure-taylor-green", ranks, ["--n", str(cells), "--steps", str(steps), "--pressure", "multigrid"])
 
 
 class Model:
@@ -85,9 +71,7 @@ def draw(model, path):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--about", action="store_true", help="one line about this benchmark")
-    parser.add_argument("--json", help="write the rows to this file")
+    parser = rank_measurement.parser_for(__doc__)
     parser.add_argument("--plot", help="write the predicted times as a picture")
     options = parser.parse_args()
     if options.about:
@@ -118,8 +102,7 @@ def main():
                   f"  {1e3 * sum(parts):9.3f} {parts[0] / sum(parts):10.1%}")
     if options.plot:
         draw(model, options.plot)
-    if options.json:
-        Path(options.json).write_text(json.dumps(counted + predicted, indent=2) + "\n")
+    rank_measurement.write_rows(options.json, counted + predicted)
 
 
 if __name__ == "__main__":

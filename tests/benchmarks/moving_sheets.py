@@ -1,31 +1,11 @@
 #!/usr/bin/python3
 """A tube with three moving sheets of a heart valve's size: ns per active cell and step, and the share of the geometry in it."""
 
-import argparse
-import json
-import os
-import subprocess
-import sys
-from pathlib import Path
-
-# Yielding and unbound: on a machine with fewer cores than ranks they must not wait on each other's core.
-MPI = ["mpirun", "--oversubscribe", "--bind-to", "none"]
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
-
-
-def measure(ranks, arguments):
-    program = str(Path(__file__).resolve().parent / "measure-moving-sheets")
-    done = subprocess.run(MPI + ["-n", str(ranks), program] + arguments, capture_output=True, text=True,
-                          env={**os.environ, **ENVIRONMENT})
-    if done.returncode != 0:
-        sys.exit(f"the measurement ended with exit code {done.returncode}: {(done.stderr.strip().splitlines() or [''])[0]}")
-    return json.loads(done.stdout.splitlines()[-1])
+from rank_measurement import measure, parser_for, write_rows
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--about", action="store_true", help="one line about this benchmark")
-    parser.add_argument("--json", help="write the rows to this file")
+    parser = parser_for(__doc__)
     parser.add_argument("--size", type=float, nargs="+", default=[1.0], help="1: a box of 400 x 130 x 130 cells; 0.3 runs in seconds")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--walls", nargs="+", default=["surface", "cells"], choices=["surface", "cells"],
@@ -42,8 +22,9 @@ def main():
         for wall in options.walls:
             for ranks in options.ranks:
                 # Blocks side by side across the tube share the sheets, which all stand in one half along it.
-                row = measure(ranks, ["--size", str(size), "--wall", wall, "--steps", str(options.steps),
-                                      "--tolerance", str(options.tolerance), "--blocks", "1", "1", str(ranks)]
+                row = measure("measure-moving-sheets", ranks,
+                              ["--size", str(size), "--wall", wall, "--steps", str(options.steps),
+                               "--tolerance", str(options.tolerance), "--blocks", "1", "1", str(ranks)]
                               + ["--processor-time"] * options.processor_time)
                 rows.append(row)
                 box = " x ".join(str(n) for n in row["box"])
@@ -54,8 +35,7 @@ def main():
                 print("  ms: " + ", ".join(f"{name} {value:.1f}" for name, value in row["ms"].items()))
                 print("  ns per cut cell: " + ", ".join(f"{name} {value:.0f}" for name, value in row["ns_per_cut_cell"].items()),
                       flush=True)
-    if options.json:
-        Path(options.json).write_text(json.dumps(rows, indent=2) + "\n")
+    write_rows(options.json, rows)
 
 
 if __name__ == "__main__":

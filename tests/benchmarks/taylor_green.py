@@ -1,31 +1,15 @@
 #!/usr/bin/python3
 """A step of the Taylor-Green vortex: ns per cell and step, bytes per cell, and the energy beside that of the direct simulation."""
 
-import argparse
 import csv
-import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy
+from rank_measurement import measure, parser_for, write_rows
 
 REFERENCE = Path("@CMAKE_SOURCE_DIR@/tests/validation/taylor-green/reference.csv")
-# Yielding and unbound: on a machine with fewer cores than ranks they must not wait on each other's core.
-MPI = ["mpirun", "--oversubscribe", "--bind-to", "none"]
-ENVIRONMENT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
 # Published by others, and what they were measured on, for the eye; CaNS: three projections a step.
 PEERS = "CaNS 4.0, 128^3, one core of this kind of machine: 338-387 ns a cell and step (Runge-Kutta, three projections)"
-
-
-def measure(ranks, arguments):
-    program = str(Path(__file__).resolve().parent / "measure-taylor-green")
-    done = subprocess.run(MPI + ["-n", str(ranks), program] + arguments, capture_output=True, text=True,
-                          env={**os.environ, **ENVIRONMENT})
-    if done.returncode != 0:
-        sys.exit(f"the measurement ended with exit code {done.returncode}: {(done.stderr.strip().splitlines() or [''])[0]}")
-    return json.loads(done.stdout)
 
 
 def reference_energy(time):
@@ -35,9 +19,7 @@ def reference_energy(time):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--about", action="store_true", help="one line about this benchmark")
-    parser.add_argument("--json", help="write the rows to this file")
+    parser = parser_for(__doc__)
     parser.add_argument("--cells", type=int, nargs="+", default=[64, 128, 256], help="cells in each direction")
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--schemes", nargs="+", default=["adams_bashforth", "runge_kutta"])
@@ -54,8 +36,9 @@ def main():
         for scheme in options.schemes:
             for pressure in options.pressure:
                 for ranks in options.ranks:
-                    row = measure(ranks, ["--n", str(n), "--steps", str(options.steps if n < 200 else max(5, options.steps // 3)),
-                                          "--scheme", scheme, "--pressure", pressure])
+                    row = measure("measure-taylor-green", ranks,
+                                  ["--n", str(n), "--steps", str(options.steps if n < 200 else max(5, options.steps // 3)),
+                                   "--scheme", scheme, "--pressure", pressure])
                     row["pressure"] = pressure
                     row["energy_error"] = row["kinetic_energy"] / reference_energy(row["time"]) - 1
                     rows.append(row)
@@ -63,8 +46,7 @@ def main():
                           f"{row['bytes_per_cell']:10.1f} {row['pressure_iterations']:10.2f} {row['divergence']:13.2e} "
                           f"{row['energy_error']:12.2e}", flush=True)
     print(PEERS)
-    if options.json:
-        Path(options.json).write_text(json.dumps(rows, indent=2) + "\n")
+    write_rows(options.json, rows)
 
 
 if __name__ == "__main__":

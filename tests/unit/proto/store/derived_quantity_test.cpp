@@ -107,6 +107,12 @@ TEST(DerivedQuantity, FinalIsTheLastValueOfTheWindow) {
               2e-4);
 }
 
+TEST(DerivedQuantity, HasTheUnitOfTheColumnUnlessItNamesItsOwn) {
+  EXPECT_EQ(derive("kind: FINAL column: 'ramp' factor: 2").unit, "Pa");
+  EXPECT_EQ(derive("kind: FINAL column: 'ramp' factor: 2 result_unit: '1'").unit, "1");
+  EXPECT_EQ(derive("kind: FREQUENCY column: 'x' result_unit: '1'").unit, "Hz");
+}
+
 TEST(DerivedQuantity, LargestAndSmallestNeedNoCycles) {
   const Table table = history();
   const auto& ramp = table.values[3];
