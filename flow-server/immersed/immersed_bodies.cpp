@@ -16,10 +16,37 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr int n_layers_of_guess = 2;
 /// Rounds in which new parts take the pressure of their neighbours.
 constexpr int n_rounds = 3;
+/// Sweeps over the parts of a cell, where more than two are open to each other.
+constexpr int n_sweeps_of_parts = 10;
 
 bool has_periodic_direction(const FlowBlock& block) {
   const std::array<bool, 3>& is_periodic = block.decomposition->is_periodic();
   return is_periodic[0] || is_periodic[1] || is_periodic[2];
+}
+
+/// What flows out of the parts of a cell between which a surface is open (o) differs from that of one part by what the
+/// velocities of its faces, one each, cannot remember of the flow between both: 1 - (1 - o)^4 of it is taken out, all
+/// of it where the surface is open altogether and the cell is one. Left to the pressure it would push those velocities
+/// anew in every step, and they grow by up to 6 % in each, the shorter the faster.
+void balance_open_walls(const CutCells& cut, const CutCell& cell, std::vector<double>& outflow) {
+  const auto first_wall = cut.walls().begin() + cell.first_wall;
+  if (std::none_of(first_wall, first_wall + cell.n_walls, [](const WallTriangle& wall) { return wall.opening > 0; }))
+    return;
+  const int n_sweeps = cell.n_parts == 2 ? 1 : n_sweeps_of_parts;
+  for (int sweep = 0; sweep < n_sweeps; ++sweep)
+    for (int a = cell.first_part; a < cell.first_part + cell.n_parts; ++a)
+      for (int b = a + 1; b < cell.first_part + cell.n_parts; ++b) {
+        const CellPart& part = cut.parts()[static_cast<std::size_t>(a)];
+        const CellPart& other = cut.parts()[static_cast<std::size_t>(b)];
+        const double open = cut.opening_between(a, b), area = part.open_area + other.open_area;
+        if (open <= 0 || area <= 0 || !part.is_fluid || !other.is_fluid) continue;
+        double& here = outflow[static_cast<std::size_t>(a)];
+        double& there = outflow[static_cast<std::size_t>(b)];
+        const double surplus = (other.open_area * here - part.open_area * there) / area;
+        const double flow = (1 - std::pow(1 - open, 4)) * surplus;
+        here -= flow;
+        there += flow;
+      }
 }
 
 }  // namespace
@@ -243,6 +270,8 @@ void ImmersedBodies::take_divergence(const BodyGeometry& now, double factor, con
     outflow[static_cast<std::size_t>(wall.outer_part)] -= flow;
     outflow[static_cast<std::size_t>(wall.inner_part)] += flow;
   }
+  for (const CutCell& cell : cut.cells())
+    if (mine.contains(cell.cell)) balance_open_walls(cut, cell, outflow);
   const auto per_volume = [&](const Triple& cell) {
     double volume = 1;
     for (int d = 0; d < 3; ++d) volume *= block_.axis[d].width[cell[d]];
