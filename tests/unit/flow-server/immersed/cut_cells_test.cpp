@@ -223,7 +223,9 @@ TEST(CutCells, ASheetThatStandsInABodyDoesNotOpenTowardsIt) {
   BodySurface open = flat_sheet({0.2, -0.5, -0.5}, {0.6, 2, 0}, {0.1, 0, 2}, 10);
   open.opening.assign(open.position.size(), 1.0);
   const CutGrid grid(box, box_of({n, n, n}), 0, {sphere_surface({0.5, 0.47, 0.52}, 0.31, 5), open});
-  const auto is_fluid = [&](int part) { return part < 0 || grid.cut().parts()[static_cast<std::size_t>(part)].is_fluid; };
+  const auto is_fluid = [&](int part) {
+    return part < 0 || grid.cut().parts()[static_cast<std::size_t>(part)].is_fluid;
+  };
   int n_open = 0, n_beside_body = 0;
   for (const WallTriangle& wall : grid.cut().walls()) {
     if (wall.surface == 0) continue;
