@@ -139,6 +139,10 @@ void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surface
         FacePiece& piece = pieces_[static_cast<std::size_t>(face.first_piece + p)];
         const int own = cut.first_part + connected.part_of(f, p);
         (side == 0 ? piece.upper_part : piece.lower_part) = own;
+        const int middle = cut.first_part + connected.part_of(f, given.centre_piece());
+        // A sheet that stands in a body does not open towards it.
+        if (!parts_[static_cast<std::size_t>(own)].is_fluid || !parts_[static_cast<std::size_t>(middle)].is_fluid)
+          piece.opening = 0;
         if (piece.share > smallest_share) parts_[static_cast<std::size_t>(own)].open_area += piece.share * area;
       }
       cut.part_at_face[static_cast<std::size_t>(d)][static_cast<std::size_t>(side)] =
@@ -219,7 +223,9 @@ void CutCells::add_walls(CutCell& cut, const FacesOfCell& faces, const Connected
       wall.area = (f % 2 == 1 ? 0.5 : -0.5) * b.cross(a);
       wall.centroid = middle.position + (a + b) / 3;
       wall.velocity = (chord.from->velocity + chord.to->velocity + middle.velocity) / 3;
-      wall.opening = (chord.from->opening + chord.to->opening + middle.opening) / 3;
+      if (parts_[static_cast<std::size_t>(wall.outer_part)].is_fluid &&
+          parts_[static_cast<std::size_t>(wall.inner_part)].is_fluid)
+        wall.opening = (chord.from->opening + chord.to->opening + middle.opening) / 3;
       walls_.push_back(wall);
     }
   cut.n_walls = static_cast<int>(walls_.size()) - cut.first_wall;

@@ -93,6 +93,12 @@ void WallLayer::add_pieces() {
 void WallLayer::add_shift(const CutFace& face, int p) {
   const FacePiece& piece = cut_.pieces()[static_cast<std::size_t>(p)];
   const int d = face.direction;
+  // Pieces that nothing parts are one, with its middle where that of the face is. The chord of the piece with that
+  // middle is the one that parts it best.
+  double closed = p == face.centre_piece ? 0 : 1 - piece.opening;
+  if (p == face.centre_piece)
+    for (int q = face.first_piece; q < face.first_piece + face.n_pieces; ++q)
+      if (q != p) closed = std::max(closed, 1 - cut_.pieces()[static_cast<std::size_t>(q)].opening);
   PieceShift shift{.piece = p,
                    .component = d,
                    .face = face.face,
@@ -110,7 +116,7 @@ void WallLayer::add_shift(const CutFace& face, int p) {
     const double over = block_.axis[e].inverse_distance[std::min(face.face[e], next[e])];
     const auto n = static_cast<std::size_t>(shift.n_neighbours++);
     shift.neighbour[n] = next;
-    shift.weight[n] = std::abs(offset) * over;
+    shift.weight[n] = closed * std::abs(offset) * over;
   }
   if (shift.n_neighbours > 0) shifts_.push_back(shift);
 }

@@ -217,5 +217,33 @@ TEST(CutCells, ASheetTakesNoVolume) {
   EXPECT_NEAR(fluid_in_cut_cells(grid), volume, 1e-13);  // both sides are fluid
 }
 
+TEST(CutCells, ASheetThatStandsInABodyDoesNotOpenTowardsIt) {
+  const int n = 8;
+  const StretchedGrid box = uniform_box({n, n, n}, 1.0 / n);
+  BodySurface open = flat_sheet({0.2, -0.5, -0.5}, {0.6, 2, 0}, {0.1, 0, 2}, 10);
+  open.opening.assign(open.position.size(), 1.0);
+  const CutGrid grid(box, box_of({n, n, n}), 0, {sphere_surface({0.5, 0.47, 0.52}, 0.31, 5), open});
+  const auto is_fluid = [&](int part) {
+    return part < 0 || grid.cut().parts()[static_cast<std::size_t>(part)].is_fluid;
+  };
+  int n_open = 0, n_beside_body = 0;
+  for (const WallTriangle& wall : grid.cut().walls()) {
+    if (wall.surface == 0) continue;
+    const bool is_between_fluid = is_fluid(wall.outer_part) && is_fluid(wall.inner_part);
+    EXPECT_NEAR(wall.opening, is_between_fluid ? 1 : 0, 1e-12);  // round-off of a mean of ones
+    is_between_fluid ? ++n_open : ++n_beside_body;
+  }
+  EXPECT_GT(n_open, 0);
+  EXPECT_GT(n_beside_body, 0);
+  int n_open_pieces = 0;
+  for (const FacePiece& piece : grid.cut().pieces()) {
+    if (!is_fluid(piece.lower_part) || !is_fluid(piece.upper_part)) {
+      EXPECT_EQ(piece.opening, 0);
+    }
+    if (piece.opening > 0) ++n_open_pieces;
+  }
+  EXPECT_GT(n_open_pieces, 0);
+}
+
 }  // namespace
 }  // namespace couplet::flow
