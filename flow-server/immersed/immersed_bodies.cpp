@@ -194,6 +194,36 @@ void ImmersedBodies::fill_piece_ghosts(HaloExchange& halo, BodyGeometry& now) {
   visit(false, [](double place, double& pressure) { pressure = place; });
 }
 
+/// Linear along d between the faces of the cell, with the slopes towards the neighbours of these across: pieces beside
+/// an opening have their own mean velocities, and a velocity that is linear in space has to go through all of them
+/// without divergence. With the mean of both faces in its place a part that is closed but for its opening gets a source
+/// that does not fall with the step, and small steps drive the flow to and fro.
+double ImmersedBodies::velocity_in_opening(const BodyGeometry& now, const Triple& cell, const Eigen::Vector3d& at,
+                                           int d, const Field<double>& velocity) const {
+  const double along = 0.5 + (at[d] - block_.axis[d].centre[cell[d]]) * block_.axis[d].inverse_width[cell[d]];
+  double mean = 0;
+  for (const int side : {0, 1}) {
+    Triple face = cell;
+    face[d] -= 1 - side;
+    const double own = velocity(face[0], face[1], face[2]);
+    double there = own;
+    for (int e = 0; e < block_.n_dimensions; ++e) {
+      const double offset = at[e] - block_.axis[e].centre[cell[e]];
+      const int step = offset > 0 ? 1 : -1;
+      Triple next = face;
+      next[e] += step;
+      const bool is_beyond = (next[e] < 0 && block_.decomposition->is_at_border(e, 0)) ||
+                             (next[e] >= block_.sizes[e] && block_.decomposition->is_at_border(e, 1));
+      if (e == d || is_beyond || !now.layer().is_known(d, next)) continue;
+      const double seen = 1 - now.layer().sight().to_neighbour(d, face, e, step).blocked;
+      there += seen * std::abs(offset) * block_.axis[e].inverse_distance[std::min(face[e], next[e])] *
+               (velocity(next[0], next[1], next[2]) - own);
+    }
+    mean += (side == 0 ? 1 - along : along) * there;
+  }
+  return mean;
+}
+
 void ImmersedBodies::take_divergence(const BodyGeometry& now, double factor, const VectorField& velocity,
                                      const std::vector<double>& piece_velocity, Field<double>& source,
                                      std::vector<double>& piece_source) const {
@@ -225,12 +255,8 @@ void ImmersedBodies::take_divergence(const BodyGeometry& now, double factor, con
     if (!mine.contains(cell.cell)) continue;
     double flow = (1 - wall.opening) * wall.velocity.dot(wall.area);
     if (wall.opening > 0)
-      for (int d = 0; d < block_.n_dimensions; ++d) {
-        Triple start = cell.cell;
-        --start[d];
-        flow += wall.opening * wall.area[d] * 0.5 *
-                (velocity[d](start[0], start[1], start[2]) + velocity[d](cell.cell[0], cell.cell[1], cell.cell[2]));
-      }
+      for (int d = 0; d < block_.n_dimensions; ++d)
+        flow += wall.opening * wall.area[d] * velocity_in_opening(now, cell.cell, wall.centroid, d, velocity[d]);
     outflow[static_cast<std::size_t>(wall.outer_part)] -= flow;
     outflow[static_cast<std::size_t>(wall.inner_part)] += flow;
   }

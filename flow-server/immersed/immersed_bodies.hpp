@@ -56,6 +56,9 @@ class ImmersedBodies {
 
  private:
   bool is_of_my_cells(int d, const Triple& face) const;
+  /// Component d at a point of a cell where a surface in it is open [m/s].
+  double velocity_in_opening(const BodyGeometry& now, const Triple& cell, const Eigen::Vector3d& at, int d,
+                             const Field<double>& velocity) const;
 
   const FlowBlock& block_;
   BodyFlowSettings settings_;

@@ -69,6 +69,18 @@ std::vector<Triple> WallForcing::seen_beside(const BodyGeometry& now, const Wall
   return seen;
 }
 
+WallForcing::Imposed WallForcing::mixed(const Imposed& wall, double room, const std::vector<Triple>& beside,
+                                        int component, const VectorField& velocity) const {
+  if (beside.empty()) return wall;
+  Imposed mean{0, 0};
+  for (const Triple& face : beside) {
+    mean.velocity += velocity[component](face[0], face[1], face[2]);
+    mean.slope += slope_[component](face[0], face[1], face[2]);
+  }
+  const double n = static_cast<double>(beside.size());
+  return {room * wall.velocity + (1 - room) * mean.velocity / n, room * wall.slope + (1 - room) * mean.slope / n};
+}
+
 void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double step_over_density,
                         const Field<double>& pressure, HaloExchange& halo, VectorField& velocity) {
   // Where the predictor took the slope between two cells whose places belong to different sides of a wall.
@@ -91,7 +103,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
 
   const std::vector<ForcedFace>& forced = now.layer().forced();
   std::vector<double> shares;
-  std::vector<std::vector<Triple>> beside;  // of faces that have changed where there is no room for an image
+  std::vector<std::vector<Triple>> beside;  // of faces where there is no room for an image
   now.changed_faces.clear();
   for (const ForcedFace& face : forced) {
     const int c = face.value.component, was = before.layer().find_forced(c, face.value.face);
@@ -100,7 +112,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
                                  : before.layer().is_inside_body(c, face.value.face);
     shares.push_back(has_changed ? face.closed : face.share);
     beside.emplace_back();
-    if (has_changed && face.room < 1) beside.back() = seen_beside(now, face.value);
+    if (face.value.room < 1) beside.back() = seen_beside(now, face.value);
     if (has_changed) now.changed_faces.push_back({c, face.value.face, face.closed});
   }
   std::vector<Imposed> left(forced.size()), fresh(forced.size());  // to the equations; of a round
@@ -113,15 +125,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
     for (std::size_t f = 0; f < forced.size(); ++f) {
       const double share = shares[f];
       Imposed wall = imposed(now, forced[f].value, pressure, velocity[forced[f].value.component]);
-      if (!beside[f].empty()) {
-        Imposed mean{0, 0};
-        for (const Triple& face : beside[f]) {
-          mean.velocity += velocity[forced[f].value.component](face[0], face[1], face[2]);
-          mean.slope += slope_[forced[f].value.component](face[0], face[1], face[2]);
-        }
-        const double n = static_cast<double>(beside[f].size()), room = forced[f].room;
-        wall = {room * wall.velocity + (1 - room) * mean.velocity / n, room * wall.slope + (1 - room) * mean.slope / n};
-      }
+      if (!beside[f].empty()) wall = mixed(wall, forced[f].value.room, beside[f], forced[f].value.component, velocity);
       fresh[f] = {(1 - share) * left[f].velocity + share * wall.velocity,
                   (1 - share) * left[f].slope + share * wall.slope};
     }
@@ -133,8 +137,14 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, double st
   }
   halo.exchange(exchanged, reach);
   ghost_.clear();
-  for (const WallValue& value : now.layer().ghosts())
+  const std::vector<WallValue>& ghosts = now.layer().ghosts();
+  for (std::size_t g = 0; g < ghosts.size(); ++g) {
+    const WallValue& value = ghosts[g];
     ghost_.push_back(imposed(now, value, pressure, velocity[value.component]));
+    if (value.room < 1)
+      ghost_.back() =
+          mixed(ghost_.back(), value.room, now.layer().seen_from(static_cast<int>(g)), value.component, velocity);
+  }
   piece_shift_.assign(now.cut().pieces().size(), 0.0);
   for (const PieceShift& shift : now.layer().shifts()) {
     const Field<double>& u = velocity[shift.component];
@@ -157,7 +167,8 @@ void WallForcing::hold(const BodyGeometry& before, HaloExchange& halo, VectorFie
   for (const ForcedFace& face : forced) {
     const Field<double>& u = velocity[face.value.component];
     const auto& [i, j, k] = face.value.face;
-    fresh.push_back((1 - face.share) * u(i, j, k) + face.share * WallLayer::value_of(face.value, u));
+    const double share = face.share * face.value.room;
+    fresh.push_back((1 - share) * u(i, j, k) + share * WallLayer::value_of(face.value, u));
   }
   for (std::size_t f = 0; f < forced.size(); ++f) {
     const auto& [i, j, k] = forced[f].value.face;

@@ -42,6 +42,9 @@ class WallForcing {
   };
   Imposed imposed(const BodyGeometry& now, const WallValue& value, const Field<double>& pressure,
                   const Field<double>& velocity) const;
+  /// The mean of the faces beside a place instead, where a gap leaves no room for the wall value.
+  Imposed mixed(const Imposed& wall, double room, const std::vector<Triple>& beside, int component,
+                const VectorField& velocity) const;
   double slope_between_cells(const Field<double>& pressure, int d, const Triple& face) const;
   double slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d, const Triple& face) const;
   bool is_mine(int d, const Triple& face) const;

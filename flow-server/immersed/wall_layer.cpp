@@ -23,39 +23,20 @@ constexpr double nearly_all = 0.95, hidden = 0.2;
 constexpr double least_seen = 0.75;
 /// Distances of the images from the wall: a cell apart. Farther ones would need more layers of neighbours' cells.
 constexpr double far_over_near = 5.0 / 3;
+/// In gaps the blend shrinks, so that at least one cell of it is left to the equations, to this share of itself; and
+/// images stand in the middle, no nearer to the place they are for, or to the wall of a ghost, than this [cells].
+constexpr double narrowest_blend = 0.25, nearest_image = 0.5, nearest_image_of_ghost = 0.75;
 /// Blocked by more than this a link is none for interpolation.
 constexpr double blocks = 0.5;
 
-Eigen::Vector3d corner(const BodySurface& surface, int triangle, std::size_t v) {
-  const Point& p = surface.position[static_cast<std::size_t>(surface.triangle[static_cast<std::size_t>(triangle)][v])];
-  return {p[0], p[1], p[2]};
+/// What gaps of some cells' width leave room for: an image on either side from 2 cells on, none below 1.
+double room_in(double gap) {
+  return std::clamp(gap - 1, 0.0, 1.0);
 }
 
-Eigen::Vector3d normal_of(const BodySurface& surface, int triangle) {
-  const Eigen::Vector3d a = corner(surface, triangle, 0);
-  return (corner(surface, triangle, 1) - a).cross(corner(surface, triangle, 2) - a).normalized();
-}
-
-double velocity_of(const BodySurface& surface, const ClosestPoint& at, int component) {
-  double velocity = 0;
-  for (std::size_t v = 0; v < 3; ++v)
-    velocity += at.weight[v] *
-                surface.velocity[static_cast<std::size_t>(surface.triangle[static_cast<std::size_t>(at.triangle)][v])]
-                                [static_cast<std::size_t>(component)];
-  return velocity;
-}
-
-double opening_of(const BodySurface& surface, const ClosestPoint& at) {
-  if (surface.opening.empty()) return 0;
-  double opening = 0;
-  for (std::size_t v = 0; v < 3; ++v)
-    opening += at.weight[v] *
-               surface.opening[static_cast<std::size_t>(surface.triangle[static_cast<std::size_t>(at.triangle)][v])];
-  return std::min(opening, 1.0);
-}
-
-Eigen::Vector3d vector(const Point& point) {
-  return {point[0], point[1], point[2]};
+/// And for the farther image of a parabola, which is to lie two cells before the other wall; `near` likewise in cells.
+double room_for_far(double gap, double near) {
+  return std::clamp(0.5 * (gap - far_over_near * near), 0.0, 1.0);
 }
 
 double seen_of(const WallImage& image) {
@@ -89,23 +70,12 @@ WallLayer::WallLayer(const FlowBlock& block, const CutCells& cut, const WallLaye
 
 void WallLayer::update(std::span<const BodySurface> surfaces, std::span<const SurfaceTree> trees) {
   surfaces_ = surfaces;
-  trees_ = trees;
   for (int c = 0; c < block_.n_dimensions; ++c)
     for (const Triple& face : near_faces_[c]) entry(c, face) = {};
   for (const WallValue& ghost : ghosts_) entry(ghost.component, ghost.face) = {};
   half_open_.clear();
   forced_.clear(), ghosts_.clear(), ghost_side_.clear(), solid_.clear(), rows_.clear();
-  hint_.assign(trees.size(), -1);
-  bounds_.clear();
-  for (const BodySurface& surface : surfaces) {
-    constexpr double infinite = std::numeric_limits<double>::infinity();
-    Bounds bounds{Eigen::Array3d::Constant(infinite), Eigen::Array3d::Constant(-infinite)};
-    for (const Point& point : surface.position) {
-      bounds.low = bounds.low.min(vector(point).array());
-      bounds.high = bounds.high.max(vector(point).array());
-    }
-    bounds_.push_back(bounds);
-  }
+  nearest_.update(surfaces, trees);
   sight_.update();
   collect_faces();
   for (int c = 0; c < block_.n_dimensions; ++c)
@@ -271,21 +241,22 @@ WallImage WallLayer::image_at(int c, const Eigen::Vector3d& point, const Triple&
 }
 
 /// The images of a value at `distance` from the nearest point of a wall along `away`, negative behind it; the first one
-/// at the distance `near`.
+/// at the distance `near`. `room_for_far`: 0 where a straight line is to do without the second one.
 void WallLayer::set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
-                           double near, const Triple& from) const {
+                           double near, double room_for_far, const Triple& from) const {
   value.image[0] = image_at(value.component, wall + near * away, from);
   value.image[0].ratio = distance / near;
   value.image[1] = {};
-  if (seen_of(value.image[0]) <= least_seen) return;
+  if (seen_of(value.image[0]) <= least_seen || room_for_far <= 0) return;
   constexpr double b = far_over_near;
   WallImage far = image_at(value.component, wall + b * near * away, from);
   const double trust = (std::min(seen_of(far), seen_of(value.image[0])) - least_seen) / (1 - least_seen);
   if (trust <= 0) return;
   // Lagrange's parabola through 0, 1 and b.
   const double s = distance / near, parabola = s * (b - s) / (b - 1);
-  value.image[0].ratio += std::min(trust, 1.0) * (parabola - s);
-  far.ratio = std::min(trust, 1.0) * s * (s - 1) / (b * (b - 1));
+  const double share = std::min(trust, 1.0) * room_for_far;
+  value.image[0].ratio += share * (parabola - s);
+  far.ratio = share * s * (s - 1) / (b * (b - 1));
   value.image[1] = far;
 }
 
@@ -350,38 +321,6 @@ void WallLayer::weigh_seen_faces(int c, WallImage& image, const Eigen::Vector3d&
   }
 }
 
-ClosestPoint WallLayer::closest_on(int surface, const Eigen::Vector3d& point, double largest_distance) {
-  const Bounds& bounds = bounds_[static_cast<std::size_t>(surface)];
-  const Eigen::Array3d at = point.array();
-  if (((bounds.low - at).max(at - bounds.high) > (1 + 1e-9) * largest_distance).any()) return {};
-  int& hint = hint_[static_cast<std::size_t>(surface)];
-  ClosestPoint found =
-      trees_[static_cast<std::size_t>(surface)].closest({point[0], point[1], point[2]}, largest_distance, hint);
-  if (found.is_found()) found.surface = surface, hint = found.hint;
-  return found;
-}
-
-/// On all surfaces; of those at the same distance the first one counts. Closed ones farther than `largest_of_closed`
-/// are overlooked where there is no sheet.
-ClosestPoint WallLayer::closest_of_all(const Eigen::Vector3d& point, double largest_distance,
-                                       double largest_of_closed) {
-  constexpr double round_off = 1 + 1e-12;  // surfaces at the same distance are both found
-  ClosestPoint nearest;
-  for (const bool is_closed : {false, true})
-    for (int s = 0; s < static_cast<int>(trees_.size()); ++s) {
-      if (surfaces_[static_cast<std::size_t>(s)].is_closed != is_closed) continue;
-      const double reach = nearest.is_found() ? nearest.distance * round_off
-                           : is_closed        ? largest_of_closed
-                                              : largest_distance;
-      const ClosestPoint found = closest_on(s, point, reach);
-      if (!found.is_found()) continue;
-      if (!nearest.is_found() || found.distance < nearest.distance ||
-          (found.distance == nearest.distance && s < nearest.surface))
-        nearest = found;
-    }
-  return nearest;
-}
-
 void WallLayer::add_face(int component, const Triple& face) {
   const Eigen::Vector3d at = position(component, face);
   const bool is_solid = (entry(component, face).marks & inside_body) != 0;
@@ -389,21 +328,20 @@ void WallLayer::add_face(int component, const Triple& face) {
   double widest = 0;
   for (int d = 0; d < block_.n_dimensions; ++d)
     widest = std::max(widest, (1 + 1e-9) / block_.axis[d].inverse_distance[face[d]]);
-  const double reach = reach_of_ghosts * spacing(face, Eigen::Vector3d::Ones());
   const ClosestPoint closest =
-      is_solid ? closest_of_all(at, reach, reach)
-               : closest_of_all(at, settings_.blend_of_sheets * widest, settings_.blend_of_closed * widest);
+      is_solid ? nearest_.of_all(at, reach_of_ghosts * spacing(face, Eigen::Vector3d::Ones()))
+               : nearest_.that_counts(at, settings_.blend_of_closed * widest, settings_.blend_of_sheets * widest);
   if (!closest.is_found()) return;
   const BodySurface& surface = surfaces_[static_cast<std::size_t>(closest.surface)];
   WallValue value;
   value.component = component, value.face = face;
-  value.wall_velocity = velocity_of(surface, closest, component);
+  value.wall_velocity = velocity_at(surface, closest, component);
   if (is_solid) {
     solid_.push_back(value);
     return;
   }
-  const Eigen::Vector3d normal = normal_of(surface, closest.triangle);
-  Eigen::Vector3d away = at - vector(closest.position);
+  const Eigen::Vector3d normal = unit_normal(surface, closest.triangle);
+  Eigen::Vector3d away = at - to_vector(closest.position);
   bool is_outer = surface.is_closed || away.dot(normal) > 0;
   const double distance = closest.distance;
   if (distance > on_the_wall * spacing(face, normal))
@@ -412,22 +350,26 @@ void WallLayer::add_face(int component, const Triple& face) {
     away = is_outer ? normal : Eigen::Vector3d(-normal);
   const double width = spacing(face, away);
   const double blend = surface.is_closed ? settings_.blend_of_closed : settings_.blend_of_sheets;
-  const double closed = 1 - opening_of(surface, closest);
-  const double share = (1 - distance / (blend * width)) * closed;
-  if (share <= 0) return;
-  const double beyond = settings_.image_distance * width;
-  double room = 0;
+  const double closed = 1 - opening_at(surface, closest);
+  if (distance >= blend * width || closed <= 0) return;
+  // Wider gaps than these change nothing of what follows.
+  const double most = 2 * (blend + settings_.image_distance) + 1.5;
+  const double gap = nearest_.gap(to_vector(closest.position), away, most * width) / width;
+  const double narrowed = std::clamp(0.5 * (gap - 1), narrowest_blend * blend, blend);
+  const double share = std::max(1 - distance / (narrowed * width), 0.0) * closed;
+  const double beyond = std::clamp(0.5 * gap - distance / width, nearest_image, settings_.image_distance) * width;
+  double seen = 0;
   // Chords are not the surface itself: a face that all but touches it may stand on the side from which it looks away.
   for (const double sign : {1.0, -1.0}) {
-    if (room > hidden || (sign < 0 && distance > chord_sagitta * width)) continue;
-    set_images(value, vector(closest.position), sign * away, sign * distance, sign * distance + beyond, face);
-    room = seen_of(value.image[0]);
+    if (seen > hidden || (sign < 0 && distance > chord_sagitta * width)) continue;
+    const double near = sign * distance + beyond;
+    set_images(value, to_vector(closest.position), sign * away, sign * distance, near, room_for_far(gap, near / width),
+               face);
+    seen = seen_of(value.image[0]);
     if (sign < 0 && !surface.is_closed) is_outer = !is_outer;
   }
-  // Where another wall leaves no room for an image the equations stay, with ghosts on both sides: to impose the wall's
-  // velocity step by step would be a resistance that grows with the number of steps.
-  room = std::clamp(2.5 * room - 0.5, 0.0, 1.0);
-  forced_.push_back({value, share * room, closed, room, closest.surface, is_outer});
+  value.room = std::min(std::clamp(2.5 * seen - 0.5, 0.0, 1.0), room_in(gap));
+  forced_.push_back({value, share, closed, closest.surface, is_outer});
   entry(component, face).forced = static_cast<int>(forced_.size());
 }
 
@@ -443,21 +385,26 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
   value.component = component, value.face = face;
   const Eigen::Vector3d at = position(component, face);
   const double size = spacing(face, Eigen::Vector3d::Ones());
-  const ClosestPoint closest = closest_on(surface, at, reach_of_ghosts * size);
+  const ClosestPoint closest = nearest_.on(surface, at, reach_of_ghosts * size);
   if (closest.is_found()) {
     const BodySurface& wall = surfaces_[static_cast<std::size_t>(closest.surface)];
-    value.wall_velocity = velocity_of(wall, closest, component);
-    const Eigen::Vector3d normal = (is_outer ? 1.0 : -1.0) * normal_of(wall, closest.triangle);
-    Eigen::Vector3d towards = vector(closest.position) - at;
+    value.wall_velocity = velocity_at(wall, closest, component);
+    const Eigen::Vector3d normal = (is_outer ? 1.0 : -1.0) * unit_normal(wall, closest.triangle);
+    Eigen::Vector3d towards = to_vector(closest.position) - at;
     // Chords are not the surface itself: a place may be found on the side from which it is seen.
     const bool is_behind = towards.dot(normal) >= 0;
     if (closest.distance > on_the_wall * spacing(face, normal))
       towards *= (is_behind ? 1 : -1) / closest.distance;
     else
       towards = normal;
-    const double beyond = settings_.image_distance * spacing(face, towards);
+    const double width = spacing(face, towards);
+    const double most = far_over_near * settings_.image_distance + 2;
+    const double gap = nearest_.gap(to_vector(closest.position), towards, most * width) / width;
+    const double near = std::clamp(0.5 * gap, nearest_image_of_ghost, settings_.image_distance);
+    const double beyond = near * width;
+    value.room = room_in(gap);
     // From a neighbour that looks through the wall from that side.
-    const Eigen::Vector3d image = vector(closest.position) + beyond * towards;
+    const Eigen::Vector3d image = to_vector(closest.position) + beyond * towards;
     Triple from = face;
     bool has_from = false;
     for (int e = 0; e < block_.n_dimensions && !has_from; ++e)
@@ -480,10 +427,29 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
       }
       if (!is_known(component, from)) from = face;
     }
-    set_images(value, vector(closest.position), towards, (is_behind ? -1 : 1) * closest.distance, beyond, from);
+    set_images(value, to_vector(closest.position), towards, (is_behind ? -1 : 1) * closest.distance, beyond,
+               room_for_far(gap, near), from);
   }
   ghosts_.push_back(value);
   return static_cast<int>(ghosts_.size()) - 1;
+}
+
+std::vector<Triple> WallLayer::seen_from(int ghost) const {
+  const WallValue& value = ghosts_[static_cast<std::size_t>(ghost)];
+  const GhostSide& side = ghost_side_[static_cast<std::size_t>(ghost)];
+  std::vector<Triple> seen;
+  for (int e = 0; e < block_.n_dimensions; ++e)
+    for (const int step : {-1, 1}) {
+      Triple next = value.face;
+      next[e] += step;
+      if (!is_known(value.component, next) || !is_near(value.component, next) ||
+          is_inside_body(value.component, next) || is_free(value.component, value.face, e, step))
+        continue;
+      const Sight sight = sight_.to_neighbour(value.component, next, e, -step);
+      if (sight.blocked >= blocks && sight.surface == side.surface && sight.is_outer == side.is_outer)
+        seen.push_back(next);
+    }
+  return seen;
 }
 
 void WallLayer::add_row(int component, const Triple& face) {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "flow-server/immersed/line_of_sight.hpp"
-#include "flow-server/immersed/surface_tree.hpp"
+#include "flow-server/immersed/nearest_wall.hpp"
 #include "flow-server/momentum/flow_block.hpp"
 
 namespace couplet::flow {
@@ -32,6 +32,7 @@ struct WallValue {
   int component = 0;
   Triple face;
   double wall_velocity = 0;  // [m/s]
+  double room = 1;           // 0 in a gap too narrow for an image: what the neighbours say holds there, not this
   std::array<WallImage, 2> image;
 };
 
@@ -41,8 +42,6 @@ struct ForcedFace {
   WallValue value;
   double share = 0;   // 1 at the wall, 0 from the blend's width on
   double closed = 1;  // share of the surface that is closed: less than 1 at a smooth free edge; a factor in `share`
-  double room =
-      1;  // sum of the near image's weights, 1 at most: less where another wall is near; a factor in `share` too
   int surface = 0;
   bool is_outer = false;
 };
@@ -92,6 +91,8 @@ class WallLayer {
   int find_forced(int component, const Triple& face) const;
   bool is_inside_body(int component, const Triple& face) const;
   const std::vector<WallValue>& ghosts() const { return ghosts_; }
+  /// Faces beside that of a ghost that look at it through its wall, from the side from which it is seen.
+  std::vector<Triple> seen_from(int ghost) const;
   const std::vector<CutRow>& rows() const { return rows_; }  // of this rank
   /// Faces of this rank inside closed bodies, next to their walls, with the wall's velocity in `wall_velocity`.
   const std::vector<WallValue>& solid() const { return solid_; }
@@ -137,10 +138,6 @@ class WallLayer {
   const FaceEntry& entry(int component, const Triple& face) const {
     return entry_[component](face[0], face[1], face[2]);
   }
-  /// Around a surface.
-  struct Bounds {
-    Eigen::Array3d low, high;
-  };
   /// Through which side of which surface a ghost is seen, and the one made of the same face before, counted from 1.
   struct GhostSide {
     int surface;
@@ -155,12 +152,10 @@ class WallLayer {
   void find_links(int component, const Triple& face);
   void add_face(int component, const Triple& face);
   void add_row(int component, const Triple& face);
-  ClosestPoint closest_of_all(const Eigen::Vector3d& point, double largest_distance, double largest_of_closed);
-  ClosestPoint closest_on(int surface, const Eigen::Vector3d& point, double largest_distance);
   bool is_free(int component, const Triple& face, int e, int step) const;
   bool is_beyond_border(int component, const Triple& face) const;
   void set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
-                  double near, const Triple& from) const;
+                  double near, double room_for_far, const Triple& from) const;
   void weigh_seen_faces(int component, WallImage& image, const Eigen::Vector3d& place, const Triple& from,
                         int detour) const;
   double openness(int component, const Triple& face, int e, int step) const;
@@ -171,7 +166,7 @@ class WallLayer {
   LineOfSight sight_;
   WallLayerSettings settings_;
   std::span<const BodySurface> surfaces_;
-  std::span<const SurfaceTree> trees_;
+  NearestWall nearest_;
   std::array<Box, 3> known_;                            // faces of each component that neighbours and borders fill in
   std::array<std::vector<Triple>, 3> near_faces_;       // of each component, near cut cells
   std::array<Field<FaceEntry>, 3> entry_;               // of each face of each component
@@ -180,8 +175,6 @@ class WallLayer {
   std::vector<WallValue> ghosts_, solid_;
   std::vector<CutRow> rows_;
   std::vector<GhostSide> ghost_side_;  // of each ghost
-  std::vector<Bounds> bounds_;         // of each surface
-  std::vector<int> hint_;              // of each surface's tree: from the query before
   std::vector<int> ghost_of_piece_;
   std::vector<PieceShift> shifts_;
 };
