@@ -8,6 +8,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
+from matplotlib.ticker import FuncFormatter, NullFormatter  # noqa: E402
 
 COLOURS = ["#2a6f97", "#d1495b", "#edae49", "#66a182", "#6d597a", "#8d99ae", "#3d405b", "#b56576"]
 
@@ -25,6 +26,26 @@ def new_figure(n_rows=1, n_columns=1, width=9.0, height=2.7, **options):
     return pyplot.subplots(n_rows, n_columns, figsize=(width, height * n_rows), **options)
 
 
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def _power_of_ten(value, _=None):
+    mantissa, _, exponent = f"{value:.3e}".partition("e")
+    factor = "" if float(mantissa) == 1 else f"{float(mantissa):g}·"
+    return f"{factor}10{str(int(exponent)).translate(SUPERSCRIPTS)}"
+
+
+def _write_powers(figure):
+    """Numbers along logarithmic axes in plain letters: matplotlib's own are formulas, which are not parsed here."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            if axis.get_scale() != "log":
+                continue
+            low, high = sorted(axis.get_view_interval())
+            axis.set_major_formatter(FuncFormatter(_power_of_ten))
+            axis.set_minor_formatter(FuncFormatter(_power_of_ten) if low > 0 and high < 10 * low else NullFormatter())
+
+
 def legend_above(figure, axes, n_columns=6):
     """What the lines of the axes are, in rows above all axes of the figure, which grows by them."""
     handles, names = axes.get_legend_handles_labels()
@@ -39,6 +60,7 @@ def svg_of(figure, name, trim=False):
     """The figure as SVG that scales with the page. `name` keeps the ids of several figures on one page apart. `trim` fits the picture
     to what is drawn, for axes that keep their own proportions."""
     matplotlib.rcParams["svg.hashsalt"] = name
+    _write_powers(figure)
     file = io.StringIO()
     figure.savefig(file, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight" if trim else None)
     pyplot.close(figure)

@@ -2,6 +2,7 @@
 
 import numpy
 
+import body_sections
 from figures import label, new_figure, png_of, svg_of
 from general_sections import has_rows
 from oscillation import thin
@@ -23,7 +24,7 @@ def columns_shown(run):
     """Columns that the sections below show."""
     if not is_flow_in_space(run) or run.history is None:
         return []
-    return SOLVER + INTEGRALS + ERRORS + _columns_ending(run, ".flow_rate", ".momentum_flux", *_probe_endings())
+    return SOLVER + INTEGRALS + ERRORS + body_sections.columns_shown(run) + _columns_ending(run, ".flow_rate", ".momentum_flux", *_probe_endings())
 
 
 def _probe_endings():
@@ -49,7 +50,11 @@ def pictures(run):
     if last > 0:
         parts.append(figure(_picture_over_time(states, region, planes[0]),
                             f"Vorticity over time, {_plane_words(states, region, planes[0])}; colours as in the last picture."))
-    return section("The flow", *parts, f'<p class="soft">All of it: results/{region}.xmf, for ParaView.</p>')
+    return section("The flow", *parts, f'<p class="soft">All of it, for ParaView: {_files(states, region)}.</p>')
+
+
+def _files(states, region):
+    return ", ".join([f"results/{region}.xmf"] + [f"results/body.{body}.xmf" for body in states.bodies])
 
 
 def _is_worth_showing(states, region, direction):
@@ -61,12 +66,16 @@ def _middle(states, region, direction):
     return (len(states.faces(region)[direction]) - 1) // 2
 
 
+def _position(states, region, direction):
+    """Of the middle plane [m]."""
+    faces, m = states.faces(region)[direction], _middle(states, region, direction)
+    return 0.5 * (faces[m] + faces[m + 1])
+
+
 def _plane_words(states, region, direction):
-    faces = states.faces(region)[direction]
-    if len(faces) == 2:
+    if len(states.faces(region)[direction]) == 2:
         return "the plane of the flow"
-    m = _middle(states, region, direction)
-    return f"{AXES[direction]} = {0.5 * (faces[m] + faces[m + 1]):.5g} m"
+    return f"{AXES[direction]} = {_position(states, region, direction):.5g} m"
 
 
 def _across(direction):
@@ -78,6 +87,13 @@ def _slice(states, region, state, name, direction):
     """A field in the middle plane, (n_horizontal, n_vertical) and components."""
     m = _middle(states, region, direction)
     return numpy.squeeze(states.slab(state, region, name, direction, m, m + 1), axis=direction)
+
+
+def without_bodies(states, region, state, direction, values):
+    """Values in the middle plane, masked in cells most of which lie inside bodies."""
+    if "fluid_share" not in states.field_names(region):
+        return numpy.ma.masked_array(values)
+    return numpy.ma.masked_array(values, _slice(states, region, state, "fluid_share", direction) < 0.5)
 
 
 def vorticity_in_plane(states, region, state, direction):
@@ -112,6 +128,9 @@ def _proportions(states, region, direction):
 
 def _limits(values, has_sign):
     """The range of colours: that of all but the outermost hundredth of the cells, as the corner of a moving wall would drown the rest."""
+    values = numpy.ma.compressed(values)
+    if not values.size:
+        return 0.0, 1.0
     if has_sign:
         largest = float(numpy.percentile(numpy.abs(values), 99)) or 1.0
         return -largest, largest
@@ -119,14 +138,18 @@ def _limits(values, has_sign):
     return (low, high) if high > low else (low - 1e-12, high + 1e-12)
 
 
-def _draw(axes, states, region, direction, values, title, has_sign=False, like=None):
-    """`like`: values whose range of colours is used."""
+def _draw(axes, states, region, state, direction, values, title, has_sign=False, like=None):
+    """With the outlines of bodies; what lies inside them is left out. `like`: values whose range of colours is used."""
+    values = without_bodies(states, region, state, direction, values)
     faces = states.faces(region)
     horizontal, vertical = _across(direction)
     low, high = _limits(values if like is None else like, has_sign)
     limits = {"vmin": low, "vmax": high, "cmap": "RdBu_r" if has_sign else "viridis"}
     axes.grid(visible=False)
+    axes.set_facecolor("#d3d3da")  # where there is no fluid
     mesh = axes.pcolormesh(faces[horizontal], faces[vertical], values.T, shading="flat", **limits)
+    body_sections.draw_outlines(axes, states, state, direction, _position(states, region, direction), _across(direction))
+    axes.set(xlim=faces[horizontal][[0, -1]], ylim=faces[vertical][[0, -1]])
     axes.set(aspect="equal" if 0.08 < _proportions(states, region, direction) < 3 else "auto",
              xlabel=f"{AXES[horizontal]} [m]", ylabel=f"{AXES[vertical]} [m]")
     axes.set_title(title, fontsize=9)
@@ -147,7 +170,7 @@ def _picture_of(states, region, state, direction):
     else:
         chart, grid = new_figure(1, len(fields), width=10.0, height=width * _proportions(states, region, direction) * 0.85 + 0.5, squeeze=False)
     for axes, (title, values, has_sign) in zip(grid.flat, fields):
-        _draw(axes, states, region, direction, values, title, has_sign)
+        _draw(axes, states, region, state, direction, values, title, has_sign)
     return png_of(chart)
 
 
@@ -159,10 +182,10 @@ def _picture_over_time(states, region, direction):
         chart, grid = new_figure(len(chosen), 1, width=9.5, height=max(1.3, 8.5 * proportion + 0.6), squeeze=False)
     else:
         chart, grid = new_figure(1, len(chosen), width=10.0, height=10.0 / len(chosen) * proportion * 0.85 + 0.5, squeeze=False)
-    last = vorticity_in_plane(states, region, chosen[-1], direction)
+    last = without_bodies(states, region, chosen[-1], direction, vorticity_in_plane(states, region, chosen[-1], direction))
     for axes, state in zip(grid.flat, chosen):
         values = vorticity_in_plane(states, region, state, direction)
-        _draw(axes, states, region, direction, values, f"t = {states.time[state]:.4g} s", is_flat, like=last)
+        _draw(axes, states, region, state, direction, values, f"t = {states.time[state]:.4g} s", is_flat, like=last)
         if axes is not grid.flat[0] and proportion >= 0.45:
             axes.set(ylabel="")
     return png_of(chart)

@@ -5,12 +5,13 @@ import numpy
 
 
 class FlowStates:
-    """Regions of the grid and their states. The file is opened only while it is read."""
+    """Regions of the grid, surfaces of bodies, and their states. The file is opened only while it is read."""
 
     def __init__(self, folder):
         self.path = folder / "flow.h5"
         with h5py.File(self.path, "r") as file:
             self.regions = list(file["grid"])
+            self.bodies = list(file.get("body", {}))
             self.groups = sorted(file.get("state", {}))
             self.time = numpy.array([float(file[f"state/{name}/time"][0]) for name in self.groups])
 
@@ -36,6 +37,16 @@ class FlowStates:
         with h5py.File(self.path, "r") as file:
             values = file[f"state/{self.groups[state]}/{region}/{name}"][tuple(cut)].astype(float)
         return numpy.moveaxis(values, (0, 1, 2), (2, 1, 0))
+
+    def triangles(self, body):
+        """Corners of the triangles of a body's surface: (n_triangles, 3)."""
+        with h5py.File(self.path, "r") as file:
+            return file[f"body/{body}/triangle"][()]
+
+    def on_body(self, state, body, name):
+        """A field at the corners of a body's surface: position [m], force [N] and so on."""
+        with h5py.File(self.path, "r") as file:
+            return file[f"state/{self.groups[state]}/body/{body}/{name}"][()].astype(float)
 
 
 def holds_flow_fields(folder):

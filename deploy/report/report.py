@@ -5,6 +5,7 @@ import argparse
 import sys
 from pathlib import Path
 
+import body_sections as bodies
 import comparison
 import flow_sections as flow
 import general_sections as general
@@ -21,7 +22,7 @@ def report_page(run):
     sections = [
         general.heading(run), general.quantities(run), fold.outline(run), solid.pictures(run), solid.open_area(run),
         solid.load_and_displacement(run) or general.probes(run), solid.loads(run), fold.glottal_flow(run),
-        fold.pressure_along_glottis(run), flow.pictures(run), flow.integrals(run), flow.planes_and_points(run), flow.errors(run),
+        fold.pressure_along_glottis(run), flow.pictures(run), bodies.forces(run), flow.integrals(run), flow.planes_and_points(run), flow.errors(run),
         flow.solver(run), solid.energy(run), solid.contact(run), solid.reactions(run), solid.steps(run), general.coupling(run),
         general.cost(run),
         general.other_columns(run, [*fold.FLOW_COLUMNS, *flow.columns_shown(run), *solid.columns_shown(run)]),

@@ -2,11 +2,14 @@
 // One number a cell (or a face) of a block, with ghost layers.
 
 #include <sys/mman.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <vector>
 
 #include "flow-server/grid/box.hpp"
 
@@ -38,7 +41,16 @@ class Field {
   std::ptrdiff_t stride_z() const { return stride_z_; }
   bool is_empty() const { return !values_; }
   std::size_t n_values() const { return n_values_; }
-  std::size_t n_bytes() const { return n_values_ * sizeof(Number); }
+  /// Memory taken from the machine: of large fields the pages that were touched.
+  std::size_t n_bytes() const {
+    const std::size_t n_mapped = values_ ? values_.get_deleter().n_mapped : 0;
+    if (n_mapped == 0) return n_values_ * sizeof(Number);
+    const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+    std::vector<unsigned char> is_resident((n_mapped + page - 1) / page);
+    if (mincore(values_.get(), n_mapped, is_resident.data()) != 0) return n_mapped;
+    return page * static_cast<std::size_t>(std::count_if(is_resident.begin(), is_resident.end(),
+                                                         [](unsigned char is) { return (is & 1u) != 0; }));
+  }
 
   /// row(j, k)[i] is the value of cell (i, j, k).
   Number* row(int j, int k) { return values_.get() + origin_ + j * stride_y_ + k * stride_z_; }

@@ -11,7 +11,6 @@ namespace couplet::flow {
 
 struct BodyFlowSettings {
   WallLayerSettings wall;
-  FreeEdgeSettings edge;
 };
 
 /// The bodies at one time and the pressure of the further pieces that goes with it: a part of the state of the flow.

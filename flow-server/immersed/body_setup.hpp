@@ -1,6 +1,7 @@
 #pragma once
 // What the flow needs to know of a body before it starts.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,10 @@ struct BodySetup {
   FluidSide fluid = FluidSide::outside;  // of a closed surface
   double largest_side = 0;               // of its triangles [m]; 0: the faces stay as they are
   PrescribedMotion motion;
-  double blend_width = 0.25;    // of the layer in which the velocity is blended with the wall's, in cells
-  EdgeRamp edge;                // of a thin sheet
-  double edge_conductance = 1;  // K_F of the ramp: how well its two sides are joined [1]
+  bool is_moved_from_outside = false;      // by a solid, say: not fixed, though no motion is prescribed
+  std::optional<double> blend_width = {};  // of the layer in which the velocity is blended with the wall's, in cells
+  EdgeRamp edge;                           // of a thin sheet
+  double edge_conductance = 1;             // K_F of the ramp: how well its two sides are joined [1]
   std::vector<AttachedEdges> attached;
   double attached_length = 0;  // by which attached edges go on beyond the wall [m]
   /// Of a closed surface: holes whose rims lie inside other closed bodies, or beyond the grid, are closed. A solid that

@@ -14,6 +14,17 @@ namespace {
 
 class MeshBuilder {
  public:
+  std::vector<Point>& nodes() { return node_; }
+  /// Of a closed surface.
+  double volume() const {
+    double sum = 0;
+    for (const auto& [a, b, c] : triangle_)
+      sum += dot(node_[static_cast<std::size_t>(a)],
+                 cross(node_[static_cast<std::size_t>(b)], node_[static_cast<std::size_t>(c)])) /
+             6;
+    return sum;
+  }
+
   int add_node(const Point& position) {
     node_.push_back(position);
     return static_cast<int>(node_.size()) - 1;
@@ -110,11 +121,19 @@ surface::SurfaceMesh make_elliptic_cylinder(const PlanePoint& centre, const Plan
                                             const DepthSpan& depth, double largest_side) {
   // Equal steps of the angle: no side is longer than that of the circle around. A multiple of four keeps the symmetry.
   const double radius = std::max(half_axes[0], half_axes[1]);
-  const int n = 4 * parts_of(std::numbers::pi / 2 * radius, side_under_diagonal(depth, largest_side));
+  const double side = side_under_diagonal(depth, largest_side);
+  int n = 4 * parts_of(std::numbers::pi / 2 * radius, side);
+  // The area of the ellipse where n / 2 s^2 sin(2 pi / n) = pi: the corners stand s times as far from the centre as the
+  // ellipse.
+  const auto swelling = [](int corners) {
+    const double step = 2 * std::numbers::pi / corners;
+    return std::sqrt(step / std::sin(step));
+  };
+  while (2 * swelling(n) * std::sin(std::numbers::pi / n) * radius > side) n += 4;
   std::vector<PlanePoint> outline;
   for (int i = 0; i < n; ++i) {
-    const double angle = 2 * std::numbers::pi * i / n;
-    outline.push_back({centre[0] + half_axes[0] * std::cos(angle), centre[1] + half_axes[1] * std::sin(angle)});
+    const double angle = 2 * std::numbers::pi * i / n, s = swelling(n);
+    outline.push_back({centre[0] + s * half_axes[0] * std::cos(angle), centre[1] + s * half_axes[1] * std::sin(angle)});
   }
   return extrude(outline, true, depth, largest_side);
 }
@@ -138,9 +157,10 @@ surface::SurfaceMesh make_sheet_prism(const std::vector<PlanePoint>& chain, cons
   return extrude(divide(chain, false, side_under_diagonal(depth, largest_side)), false, depth, largest_side);
 }
 
-surface::SurfaceMesh make_ellipsoid(const Point& centre, const Point& half_axes, double largest_side) {
-  // An icosahedron with n^2 triangles a face, drawn onto the sphere: sides are at most 1 / 0.7947 longer there (the
-  // distance of its faces from the centre).
+namespace {
+
+/// In the unit sphere: an icosahedron with n^2 triangles a face, drawn onto the sphere.
+MeshBuilder make_polyhedron(int n) {
   const double g = std::numbers::phi;
   const std::array<Point, 12> vertex = {{{-1, g, 0},
                                          {1, g, 0},
@@ -158,8 +178,6 @@ surface::SurfaceMesh make_ellipsoid(const Point& centre, const Point& half_axes,
       {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
        {11, 10, 2}, {10, 7, 6}, {7, 1, 8},  {3, 9, 4},  {3, 4, 2},   {3, 2, 6}, {3, 6, 8},
        {3, 8, 9},   {4, 9, 5},  {2, 4, 11}, {6, 2, 10}, {8, 6, 7},   {9, 8, 1}}};
-  const double side = 2 / length(vertex[0]) / 0.7946;  // of the icosahedron in the unit sphere, drawn out
-  const int n = parts_of(side * std::max({half_axes[0], half_axes[1], half_axes[2]}), largest_side);
   MeshBuilder mesh;
   std::map<std::vector<std::pair<int, int>>, int> known;  // by vertices and weights, so that faces share their nodes
   const auto node = [&](const std::array<int, 3>& corners, int i, int j) {
@@ -172,9 +190,7 @@ surface::SurfaceMesh make_ellipsoid(const Point& centre, const Point& half_axes,
       Point p{};
       for (const auto& [corner, weight] : key)
         p = p + static_cast<double>(weight) * vertex[static_cast<std::size_t>(corner)];
-      p = (1 / length(p)) * p;
-      for (std::size_t d = 0; d < 3; ++d) p[d] = centre[d] + half_axes[d] * p[d];
-      found->second = mesh.add_node(p);
+      found->second = mesh.add_node((1 / length(p)) * p);
     }
     return found->second;
   };
@@ -187,7 +203,24 @@ surface::SurfaceMesh make_ellipsoid(const Point& centre, const Point& half_axes,
       }
     }
   }
-  return mesh.take();
+  return mesh;
+}
+
+}  // namespace
+
+surface::SurfaceMesh make_ellipsoid(const Point& centre, const Point& half_axes, double largest_side) {
+  // Sides are at most 1 / 0.7947 longer on the sphere than on the icosahedron: the distance of its faces from the
+  // centre.
+  const double side_of_icosahedron = 2 / std::hypot(1, std::numbers::phi);  // in the unit sphere
+  const double longest = side_of_icosahedron / 0.7946 * std::max({half_axes[0], half_axes[1], half_axes[2]});
+  for (int n = parts_of(longest, largest_side);; ++n) {
+    MeshBuilder mesh = make_polyhedron(n);
+    const double swelling = std::cbrt(4 * std::numbers::pi / 3 / mesh.volume());
+    if (swelling * longest / n > largest_side * (1 + 1e-9)) continue;
+    for (Point& p : mesh.nodes())
+      for (std::size_t d = 0; d < 3; ++d) p[d] = centre[d] + swelling * half_axes[d] * p[d];
+    return mesh.take();
+  }
 }
 
 surface::SurfaceMesh make_box(const Point& low, const Point& high, double largest_side) {
@@ -254,14 +287,87 @@ surface::SurfaceMesh make_tube(const Point& from, const Point& to, double radius
     const Point centre = layer == n_layers ? to : from + (static_cast<double>(layer) / n_layers) * along;
     for (int i = 0; i < n; ++i) {
       const double angle = 2 * std::numbers::pi * i / n;
-      Point node = centre + (radius * std::cos(angle)) * first + (radius * std::sin(angle)) * second;
-      // Exactly on a border where the axis is along x, y or z.
-      for (std::size_t d = 0; d < 3; ++d)
-        if (std::abs(axis[d]) == 1) node[d] = centre[d];
-      mesh.add_node(node);
+      mesh.add_node(centre + (radius * std::cos(angle)) * first + (radius * std::sin(angle)) * second);
     }
   }
   add_rows(mesh, n_layers, n, [n](int layer, int i) { return layer * n + i % n; });
+  const int first_middle = mesh.add_node(from), last_middle = mesh.add_node(to), last = n_layers * n;
+  for (int i = 0; i < n; ++i) {
+    mesh.add_triangle(first_middle, i, (i + 1) % n);
+    mesh.add_triangle(last_middle, last + (i + 1) % n, last + i);
+  }
+  return mesh.take();
+}
+
+surface::SurfaceMesh make_revolved_body(const std::vector<PlanePoint>& outline, double largest_side) {
+  assert(outline.size() >= 3);
+  const double side = largest_side / std::numbers::sqrt2;
+  const std::vector<PlanePoint> profile = divide(outline, false, side);
+  double radius = 0;
+  for (const PlanePoint& point : profile) radius = std::max(radius, point[1]);
+  const int n = 4 * parts_of(std::numbers::pi / 2 * radius, side);
+  const int n_rings = static_cast<int>(profile.size()) - 2;
+  MeshBuilder mesh;
+  for (int ring = 1; ring <= n_rings; ++ring) {
+    const PlanePoint& at = profile[static_cast<std::size_t>(ring)];
+    for (int i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * i / n;
+      mesh.add_node({at[0], at[1] * std::cos(angle), at[1] * std::sin(angle)});
+    }
+  }
+  const int first = mesh.add_node({profile.front()[0], 0, 0}), last = mesh.add_node({profile.back()[0], 0, 0});
+  const auto node = [n](int i, int ring) { return ring * n + i % n; };
+  // The angle turns from y to z: the way round x the way along x points out.
+  const bool is_forward = outline.back()[0] > outline.front()[0];
+  const auto around = [&](int i) { return is_forward ? i : n - i; };
+  add_rows(mesh, n, n_rings - 1, [&](int i, int ring) { return node(around(i), ring); });
+  for (int i = 0; i < n; ++i) {
+    mesh.add_triangle(first, node(around(i + 1), 0), node(around(i), 0));
+    mesh.add_triangle(last, node(around(i), n_rings - 1), node(around(i + 1), n_rings - 1));
+  }
+  return mesh.take();
+}
+
+surface::SurfaceMesh make_ruled_sheet(const std::vector<Point>& first_edge, const std::vector<Point>& second_edge,
+                                      double largest_side) {
+  assert(first_edge.size() == second_edge.size() && first_edge.size() >= 2);
+  const double side = 0.5 * largest_side;  // no diagonal is longer than two sides, however sheared they are
+  double width = 0;
+  for (std::size_t i = 0; i < first_edge.size(); ++i) width = std::max(width, length(second_edge[i] - first_edge[i]));
+  const int n_across = parts_of(width, side);
+  MeshBuilder mesh;
+  std::vector<std::vector<int>> line;  // nodes from the first edge to the second
+  const auto add_line = [&](const Point& from, const Point& to) {
+    std::vector<int>& nodes = line.emplace_back();
+    for (int j = 0; j <= n_across; ++j) {
+      const bool is_point = j > 0 && from == to;
+      nodes.push_back(is_point ? nodes.front()
+                               : mesh.add_node(from + (static_cast<double>(j) / n_across) * (to - from)));
+    }
+  };
+  add_line(first_edge[0], second_edge[0]);
+  for (std::size_t i = 0; i + 1 < first_edge.size(); ++i) {
+    const Point along_first = first_edge[i + 1] - first_edge[i], along_second = second_edge[i + 1] - second_edge[i];
+    const int n = parts_of(std::max(length(along_first), length(along_second)), side);
+    for (int k = 1; k < n; ++k) {
+      const double share = static_cast<double>(k) / n;
+      add_line(first_edge[i] + share * along_first, second_edge[i] + share * along_second);
+    }
+    add_line(first_edge[i + 1], second_edge[i + 1]);
+  }
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    for (std::size_t j = 0; j < static_cast<std::size_t>(n_across); ++j) {
+      const int a = line[i][j], b = line[i + 1][j], c = line[i + 1][j + 1], d = line[i][j + 1];
+      // Half of a quadrilateral is left where a line is a point.
+      if (a == d) {
+        mesh.add_triangle(a, b, c);
+      } else if (b == c) {
+        mesh.add_triangle(a, b, d);
+      } else {
+        add_quadrilateral(mesh, a, b, c, d, (i + j) % 2 == 0);
+      }
+    }
+  }
   return mesh.take();
 }
 

@@ -19,8 +19,8 @@ struct DepthSpan {
 };
 
 // All are made of triangles whose sides (in two dimensions: along the outline) are at most `largest_side` [m] long.
-// Normals point out of closed bodies; corners lie on the true surface, so that a round body is too small by a share of
-// (side / radius)^2.
+// Normals point out of closed bodies. Triangles of ellipses and ellipsoids cut into the true surface as much as their
+// corners stand out of it, by a share of (side / radius)^2 / 8 or less: the body has the true volume.
 
 /// Prism over an ellipse with half-axes along x and y [m], without lids.
 surface::SurfaceMesh make_elliptic_cylinder(const PlanePoint& centre, const PlanePoint& half_axes,
@@ -43,7 +43,18 @@ surface::SurfaceMesh make_box(const Point& low, const Point& high, double larges
 surface::SurfaceMesh make_rectangle(const Point& corner, const Point& first_side, const Point& second_side,
                                     double largest_side);
 
-/// Round tube between two points of its axis, open at both ends. The fluid is inside: normals point to the axis.
+/// Round tube between two points of its axis, closed by a flat lid at either end. The fluid is inside: normals point
+/// there.
 surface::SurfaceMesh make_tube(const Point& from, const Point& to, double radius, double largest_side);
+
+/// Round about the line y = z = 0: the points of the outline hold the place along x and the distance from that line, 0
+/// for the first and the last. x need not grow.
+surface::SurfaceMesh make_revolved_body(const std::vector<PlanePoint>& outline, double largest_side);
+
+/// Thin sheet of straight lines from points of one edge to those of the other, which are as many. Where both edges have
+/// a point in common, the lines end in it. Its normal is the direction along the edges x that from the first to the
+/// second.
+surface::SurfaceMesh make_ruled_sheet(const std::vector<Point>& first_edge, const std::vector<Point>& second_edge,
+                                      double largest_side);
 
 }  // namespace couplet::flow

@@ -111,10 +111,10 @@ void BodySurfaces::shut_edges() {
     if (!body.setup.is_closed) continue;
     const BodySurface& surface = body.surface.surface();
     const std::array<SurfaceInTree, 1> in_tree{SurfaceInTree{&surface, {}, static_cast<int>(surface.triangle.size())}};
-    if (body.tree) {
-      body.tree->refit(in_tree);
-    } else {
+    if (!body.tree) {
       body.tree.emplace(in_tree);
+    } else if (!surface.is_fixed) {
+      body.tree->refit(in_tree);
     }
     obstacles.push_back({&surface, &*body.tree});
   }
@@ -160,6 +160,12 @@ void BodySurfaces::accept_motion() {
     body.start = std::move(body.end);
     body.end.reset();
   }
+}
+
+std::vector<Point> BodySurfaces::shown_force(int index, std::span<const Point> corner_force) const {
+  std::vector<Point> force(corner_force.begin(), corner_force.end());
+  bodies_[static_cast<std::size_t>(index)].surface.gather_on_shown(force);
+  return force;
 }
 
 surface::NodeArray BodySurfaces::nodal_force(int index, std::span<const Point> corner_force) const {

@@ -53,6 +53,11 @@ class BodySurfaces {
   /// asked for: the exact transpose of how velocities of corners follow those of nodes.
   surface::NodeArray nodal_force(int body, std::span<const Point> corner_force) const;
 
+  /// What is shown of a body, where it was last asked for: the first corners and triangles of its surface.
+  const BodySurface& shown(int body) const { return bodies_[static_cast<std::size_t>(body)].surface.shown(); }
+  /// Forces on the corners of shown() from those on all corners, with the same sum, moment and work.
+  std::vector<Point> shown_force(int body, std::span<const Point> corner_force) const;
+
  private:
   struct Body {
     BodySetup setup;

@@ -375,4 +375,35 @@ double CutCells::opening_between(int part, int other) const {
   return area > 0 ? open / area : 0;
 }
 
+/// By the theorem of Gauss, n V = integral of x . dA in n dimensions, with x from the middle of the cell. Bulges of a
+/// sheet between its chords and free edges leave a part a little more or less than it has: never less than nothing.
+double CutCells::fluid_volume(const CutCell& cell) const {
+  Eigen::Vector3d middle, width;
+  for (int d = 0; d < 3; ++d) {
+    const double start = crossings_.position(d, cell.cell[d]), end = crossings_.position(d, cell.cell[d] + 1);
+    middle[d] = 0.5 * (start + end), width[d] = end - start;
+  }
+  const auto is_fluid = [&](int part) { return part >= 0 && parts_[static_cast<std::size_t>(part)].is_fluid; };
+  double flux = 0;
+  for (int d = 0; d < grid_.n_dimensions; ++d)
+    for (const int side : {0, 1}) {
+      Triple face = cell.cell;
+      face[d] -= 1 - side;
+      const int index = find_face(d, face);
+      if (index < 0) continue;
+      const CutFace& cut = faces_[static_cast<std::size_t>(index)];
+      for (int p = cut.first_piece; p < cut.first_piece + cut.n_pieces; ++p) {
+        const FacePiece& piece = pieces_[static_cast<std::size_t>(p)];
+        if (is_fluid(side == 0 ? piece.upper_part : piece.lower_part)) flux += 0.5 * width.prod() * piece.share;
+      }
+    }
+  for (int w = cell.first_wall; w < cell.first_wall + cell.n_walls; ++w) {
+    const WallTriangle& wall = walls_[static_cast<std::size_t>(w)];
+    const double outwards = wall.area.dot(wall.centroid - middle);
+    if (is_fluid(wall.outer_part)) flux -= outwards;
+    if (is_fluid(wall.inner_part)) flux += outwards;
+  }
+  return std::clamp(flux / grid_.n_dimensions, 0.0, width.prod());
+}
+
 }  // namespace couplet::flow

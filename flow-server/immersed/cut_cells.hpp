@@ -96,6 +96,9 @@ class CutCells {
   /// How much of the surface between two parts of a cell is open: 0 where they are parted, 1 where they are one.
   double opening_between(int part, int other) const;
 
+  /// Volume of the fluid in a cut cell [m^3].
+  double fluid_volume(const CutCell& cell) const;
+
   int n_lone_crossings() const { return n_lone_crossings_; }  // faces in which a surface ends
 
  private:

@@ -68,7 +68,7 @@ double rate_of(const FlowBlock& block, const CutRow& row, const RowValues& value
 
 }  // namespace
 
-void correct_cut_rows(const FlowBlock& block, const WallLayer& layer, double viscosity, double now,
+void correct_cut_rows(const FlowBlock& block, const WallLayer& layer, double share, double viscosity, double now,
                       const VectorField& velocity, VectorField* rate, VectorField& new_velocity) {
   std::vector<double> ghost;
   ghost.reserve(layer.ghosts().size());
@@ -80,7 +80,7 @@ void correct_cut_rows(const FlowBlock& block, const WallLayer& layer, double vis
       const CutRow::Seen& what = row.seen[n];
       if (what.ghost >= 0) seen.seen[n] += what.blocked * (ghost[static_cast<std::size_t>(what.ghost)] - seen.seen[n]);
     }
-    const double change = rate_of(block, row, seen, viscosity) - rate_of(block, row, through, viscosity);
+    const double change = share * (rate_of(block, row, seen, viscosity) - rate_of(block, row, through, viscosity));
     new_velocity[row.component](row.face[0], row.face[1], row.face[2]) += now * change;
     if (rate) (*rate)[row.component](row.face[0], row.face[1], row.face[2]) += change;
   }

@@ -7,9 +7,9 @@
 namespace couplet::flow {
 
 /// What advance_momentum() computed for cut rows took neighbours behind walls for fluid: replaces its rate by that with
-/// ghosts in their place. `velocity`: that was advanced, ghosts filled; `now`: weight of the rate in new_velocity [s];
-/// `rate`: corrected too where given.
-void correct_cut_rows(const FlowBlock& block, const WallLayer& layer, double viscosity, double now,
+/// ghosts in their place, or by `share` of the way to it. `velocity`: that was advanced, ghosts filled; `now`: weight
+/// of the rate in new_velocity [s]; `rate`: corrected too where given.
+void correct_cut_rows(const FlowBlock& block, const WallLayer& layer, double share, double viscosity, double now,
                       const VectorField& velocity, VectorField* rate, VectorField& new_velocity);
 
 }  // namespace couplet::flow

@@ -40,7 +40,7 @@ bool ImmersedBodies::is_of_my_cells(int d, const Triple& face) const {
   return faces.contains(face) && block_.faces[d].contains(face[0], face[1], face[2]);
 }
 
-void ImmersedBodies::write_problem(const BodyGeometry& now, PressureProblem& problem, std::vector<Box>& changed) {
+bool ImmersedBodies::write_problem(const BodyGeometry& now, PressureProblem& problem, std::vector<Box>& changed) {
   FaceFractions& share = *problem.open_share;
   const auto set = [&](int d, const Triple& face, float value) {
     float& place = share[d](face[0], face[1], face[2]);
@@ -72,7 +72,10 @@ void ImmersedBodies::write_problem(const BodyGeometry& now, PressureProblem& pro
     if (now.cut().find_face(old.direction, old.face) < 0) set(old.direction, old.face, whole(old.direction, old.face));
   for (const PressurePieces::FaceShare& fresh : now.pieces().shares()) set(fresh.direction, fresh.face, fresh.share);
   written_ = now.pieces().shares();
-  problem.split = now.pieces().split();
+  int has_changed = !changed.empty() || problem.split != now.pieces().split() ? 1 : 0;
+  MPI_Allreduce(MPI_IN_PLACE, &has_changed, 1, MPI_INT, MPI_MAX, block_.decomposition->communicator());
+  if (has_changed == 1) problem.split = now.pieces().split();
+  return has_changed == 1;
 }
 
 void ImmersedBodies::carry_pressure(const BodyGeometry& before, const Field<double>& pressure, BodyGeometry& now,
@@ -125,8 +128,11 @@ void ImmersedBodies::carry_pressure(const BodyGeometry& before, const Field<doub
       }
   }
   // New ones take the mean of what they are joined to.
-  for (int round = 0; round < n_rounds; ++round) {
-    std::vector<double> sum(value.size(), 0.0), weight(value.size(), 0.0);
+  std::vector<double> sum(value.size()), weight(value.size());
+  const auto is_unknown = [](double carried) { return std::isnan(carried); };
+  for (int round = 0; round < n_rounds && std::any_of(value.begin(), value.end(), is_unknown); ++round) {
+    std::fill(sum.begin(), sum.end(), 0.0);
+    std::fill(weight.begin(), weight.end(), 0.0);
     for (const CutFace& face : cut.faces()) {
       Triple next = face.face;
       ++next[face.direction];
@@ -167,6 +173,8 @@ void ImmersedBodies::fill_piece_ghosts(HaloExchange& halo, BodyGeometry& now) {
   if (block_.decomposition->n_ranks() == 1 && !has_periodic_direction(block_)) return;
   const CutCells& cut = now.cut();
   const Box mine = box_of(block_.sizes);
+  Box known = mine;  // fields know fewer layers than are looked at
+  for (int d = 0; d < 3; ++d) known.begin[d] -= block_.ghosts[d], known.end[d] += block_.ghosts[d];
   // Pieces of a cell stand in the same order on all ranks.
   std::vector<std::size_t> number(now.piece_pressure.size(), 0);
   int n_in_a_cell = 0;
@@ -186,7 +194,8 @@ void ImmersedBodies::fill_piece_ghosts(HaloExchange& halo, BodyGeometry& now) {
     for (std::size_t f = 0; f < number.size(); ++f) {
       const CellPart& part = cut.parts()[static_cast<std::size_t>(cut.further_parts()[f])];
       const auto& [i, j, k] = cut.cells()[static_cast<std::size_t>(part.cell)].cell;
-      if (mine.contains({i, j, k}) == own) with(exchanged_[number[f]](i, j, k), now.piece_pressure[f]);
+      if (known.contains({i, j, k}) && mine.contains({i, j, k}) == own)
+        with(exchanged_[number[f]](i, j, k), now.piece_pressure[f]);
     }
   };
   visit(true, [](double& place, double pressure) { place = pressure; });
@@ -197,7 +206,8 @@ void ImmersedBodies::fill_piece_ghosts(HaloExchange& halo, BodyGeometry& now) {
 /// Linear along d between the faces of the cell, with the slopes towards the neighbours of these across: pieces beside
 /// an opening have their own mean velocities, and a velocity that is linear in space has to go through all of them
 /// without divergence. With the mean of both faces in its place a part that is closed but for its opening gets a source
-/// that does not fall with the step, and small steps drive the flow to and fro.
+/// that does not fall with the step, and small steps drive the flow to and fro. Faces with a given velocity have it all
+/// over.
 double ImmersedBodies::velocity_in_opening(const BodyGeometry& now, const Triple& cell, const Eigen::Vector3d& at,
                                            int d, const Field<double>& velocity) const {
   const double along = 0.5 + (at[d] - block_.axis[d].centre[cell[d]]) * block_.axis[d].inverse_width[cell[d]];
@@ -207,7 +217,8 @@ double ImmersedBodies::velocity_in_opening(const BodyGeometry& now, const Triple
     face[d] -= 1 - side;
     const double own = velocity(face[0], face[1], face[2]);
     double there = own;
-    for (int e = 0; e < block_.n_dimensions; ++e) {
+    const bool is_given = !block_.faces[d].contains(face[0], face[1], face[2]);
+    for (int e = 0; e < block_.n_dimensions && !is_given; ++e) {
       const double offset = at[e] - block_.axis[e].centre[cell[e]];
       const int step = offset > 0 ? 1 : -1;
       Triple next = face;
@@ -282,8 +293,9 @@ void ImmersedBodies::take_divergence(const BodyGeometry& now, double factor, con
 
 void ImmersedBodies::keep_cut_faces(const BodyGeometry& now, const VectorField& velocity) {
   kept_.clear();
-  for (const CutFace& face : now.cut().faces()) {
-    if (now.pieces().has_plain_slope(face) || !is_of_my_cells(face.direction, face.face)) continue;
+  for (const int index : now.pieces().faces_of_own_slope()) {
+    const CutFace& face = now.cut().faces()[static_cast<std::size_t>(index)];
+    if (!is_of_my_cells(face.direction, face.face)) continue;
     kept_.push_back(velocity[face.direction](face.face[0], face.face[1], face.face[2]));
   }
 }
@@ -291,10 +303,11 @@ void ImmersedBodies::keep_cut_faces(const BodyGeometry& now, const VectorField& 
 void ImmersedBodies::correct_cut_faces(const BodyGeometry& now, double step_over_density, const Field<double>& phi,
                                        const std::vector<double>& piece_phi, VectorField& velocity) const {
   std::size_t n = 0;
-  for (const CutFace& face : now.cut().faces()) {
-    if (now.pieces().has_plain_slope(face) || !is_of_my_cells(face.direction, face.face)) continue;
+  for (const int index : now.pieces().faces_of_own_slope()) {
+    const CutFace& face = now.cut().faces()[static_cast<std::size_t>(index)];
+    if (!is_of_my_cells(face.direction, face.face)) continue;
     velocity[face.direction](face.face[0], face.face[1], face.face[2]) =
-        kept_[n++] - step_over_density * now.pieces().middle_slope(face, phi, piece_phi);
+        kept_[n++] - step_over_density * now.pieces().middle_slope(index, phi, piece_phi);
   }
   for (const WallValue& solid : now.layer().solid())
     velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;
@@ -310,14 +323,15 @@ void ImmersedBodies::still_inside(const BodyGeometry& now, const ActiveCells& wh
       if (!now.layer().is_near(d, cell)) velocity[d](cell[0], cell[1], cell[2]) = 0;
   };
   for (int k = 0; k < block_.sizes[2]; ++k)
-    for (int j = 0; j < block_.sizes[1]; ++j) {
-      int i = 0;  // the cells between those that are whole
-      for_each_interval(whole, j, k, 0, block_.sizes[0], [&](int begin, int end) {
-        for (; i < begin; ++i) still({i, j, k});
-        i = end;
+    for (int j = 0; j < block_.sizes[1]; ++j)
+      for_each_interval(block_.cells, j, k, 0, block_.sizes[0], [&](int first, int last) {
+        int i = first;  // the cells between those that are whole
+        for_each_interval(whole, j, k, first, last, [&](int begin, int end) {
+          for (; i < begin; ++i) still({i, j, k});
+          i = end;
+        });
+        for (; i < last; ++i) still({i, j, k});
       });
-      for (; i < block_.sizes[0]; ++i) still({i, j, k});
-    }
 }
 
 double ImmersedBodies::courant_rate(const BodyGeometry& bodies) const {

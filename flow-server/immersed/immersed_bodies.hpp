@@ -18,8 +18,9 @@ class ImmersedBodies {
   /// Of a new state.
   std::shared_ptr<BodyGeometry> make_geometry(std::vector<BodySurface> surfaces) const;
 
-  /// The pressure problem of a position of the bodies; tells where shares have changed since the last call.
-  void write_problem(const BodyGeometry& now, PressureProblem& problem, std::vector<Box>& changed);
+  /// Collective. The pressure problem of a position of the bodies; tells where shares have changed since the last call.
+  /// Returns false where the problem is on all ranks what it was: nothing has moved.
+  bool write_problem(const BodyGeometry& now, PressureProblem& problem, std::vector<Box>& changed);
 
   /// The next position may lie anywhere: after a restart.
   void expect_jump() { follows_last_ = false; }

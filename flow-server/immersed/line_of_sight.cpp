@@ -53,8 +53,13 @@ Sight LineOfSight::look_between(int part, int other) const {
 
 Sight LineOfSight::across_cell(const Triple& cell, int d, const Triple& face, int other_d,
                                const Triple& other_face) const {
-  if (cut_.find(cell) < 0) return {};
-  return between(cut_.part_at(cell, d, face), cut_.part_at(cell, other_d, other_face));
+  const int index = cut_.find(cell);
+  if (index < 0) return {};
+  const auto& part = cut_.cells()[static_cast<std::size_t>(index)].part_at_face;
+  const auto part_at = [&](int e, const Triple& at) {
+    return part[static_cast<std::size_t>(e)][at[e] == cell[e] ? 1 : 0];
+  };
+  return between(part_at(d, face), part_at(other_d, other_face));
 }
 
 Sight LineOfSight::through(int from, int d, const Triple& next_face, int e, const Triple& cell,

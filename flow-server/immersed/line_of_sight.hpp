@@ -30,13 +30,13 @@ class LineOfSight {
   Sight to_neighbour(int d, const Triple& face, int e, int step) const;
   /// Whether that is free without a look at any wall: no more than one part in each cell on the way.
   bool is_plainly_free(int d, const Triple& face, int e, int step) const;
+  bool is_one_part(const Triple& cell) const;  // all of a cell: nothing stands inside it
   /// From a piece of a face normal to d to the middle of a neighbouring face of the same kind along e.
   bool sees_neighbour(const FacePiece& piece, int d, const Triple& face, int e, int step) const;
 
  private:
   Sight between(int part, int other) const;
   Sight look_between(int part, int other) const;
-  bool is_one_part(const Triple& cell) const;
   /// From a part of `cell` through the cell's face normal to e to a face of the next cell.
   Sight through(int from, int d, const Triple& next_face, int e, const Triple& cell, const Triple& next) const;
 

@@ -97,6 +97,9 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
   body_.name = body.name;
   body_.is_closed = body.is_closed;
   body_.is_lumen = body.is_closed && body.fluid == FluidSide::inside;
+  body_.blend_width = body.blend_width;
+  body_.edge_conductance = body.edge_conductance;
+  body_.is_fixed = body.is_closed && body.motion.is_fixed() && !body.is_moved_from_outside;
   body_.triangle = tessellation_.triangle();
   tessellation_.interpolate(body.mesh.node_position, body_.position);
   body_.velocity.assign(body_.position.size(), Point{});
@@ -152,6 +155,10 @@ void MovingSurface::shut_edges_before(std::span<const EdgeObstacle> obstacles) {
 
 const BodySurface& MovingSurface::surface() const {
   return strip_ ? strip_->surface() : thick_ ? thick_->surface() : body_;
+}
+
+void MovingSurface::gather_on_shown(std::vector<Point>& corner_force) const {
+  if (strip_) strip_->gather(corner_force);
 }
 
 void MovingSurface::gather(std::vector<Point> corner_force, surface::NodeArray& nodal_force) const {

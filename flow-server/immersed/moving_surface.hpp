@@ -45,14 +45,18 @@ class MovingSurface {
   /// sheet that was made thick.
   const BodySurface& surface() const;
 
-  /// The body itself, without a strip, and where it ends: for distances from it and for results.
+  /// The body itself, without a strip, and where it ends: for distances from it.
   const BodySurface& body() const { return body_; }
+  /// What is shown of it: the first corners and triangles of surface(), without a strip.
+  const BodySurface& shown() const { return thick_ ? thick_->surface() : body_; }
   std::span<const FreeEdge> free_edges() const { return topology_.free_edge; }
   const std::vector<std::string>& notes() const { return topology_.notes; }
 
   /// Forces on the corners of surface() to the nodes of the body's mesh, (n_nodes, 3): the transpose of how velocities
   /// follow, so that sum and work are kept.
   void gather(std::vector<Point> corner_force, surface::NodeArray& nodal_force) const;
+  /// The same to the corners of shown().
+  void gather_on_shown(std::vector<Point>& corner_force) const;
 
  private:
   void update(std::span<const EdgeObstacle> obstacles = {});

@@ -34,7 +34,7 @@ PressureUnknown PressurePieces::unknown_of(int part, const Triple& cell) const {
   return {cell, further < 0 ? -1 : place_in_list_[static_cast<std::size_t>(further)]};
 }
 
-void PressurePieces::update() {
+void PressurePieces::update(std::span<const BodySurface> surfaces) {
   shares_.clear();
   split_.cell.clear(), split_.links.clear();
   listed_.clear();
@@ -47,8 +47,14 @@ void PressurePieces::update() {
     split_.cell.push_back(cell);
     listed_.push_back(static_cast<int>(f));
   }
-  for (const CutFace& face : cut_.faces()) add_face(face);
-  for (const CutCell& cut : cut_.cells()) add_free_edges(cut);
+  faces_of_own_slope_.clear();
+  slope_terms_.clear(), first_slope_term_.assign(1, 0);
+  for (std::size_t f = 0; f < cut_.faces().size(); ++f) {
+    add_face(cut_.faces()[f]);
+    add_middle_slope(cut_.faces()[f]);
+    if (!has_plain_slope(cut_.faces()[f])) faces_of_own_slope_.push_back(static_cast<int>(f));
+  }
+  for (const CutCell& cut : cut_.cells()) add_free_edges(cut, surfaces);
 }
 
 void PressurePieces::add_face(const CutFace& face) {
@@ -77,7 +83,7 @@ void PressurePieces::add_face(const CutFace& face) {
   shares_.push_back({d, face.face, static_cast<float>(share)});
 }
 
-void PressurePieces::add_free_edges(const CutCell& cut) {
+void PressurePieces::add_free_edges(const CutCell& cut, std::span<const BodySurface> surfaces) {
   if (!box_of(block_.sizes).contains(cut.cell)) return;
   for (int w = cut.first_wall; w < cut.first_wall + cut.n_walls; ++w) {
     const WallTriangle& wall = cut_.walls()[static_cast<std::size_t>(w)];
@@ -91,8 +97,8 @@ void PressurePieces::add_free_edges(const CutCell& cut) {
     for (int d = 0; d < block_.n_dimensions; ++d)
       square += std::pow(wall.area[d] * block_.axis[d].width[cut.cell[d]], 2);
     if (square == 0) continue;
-    const double conductance =
-        edge_.strength * area * area / std::sqrt(square) * wall.opening / (1 - wall.opening + least_closed);
+    const double conductance = surfaces[static_cast<std::size_t>(wall.surface)].edge_conductance * area * area /
+                               std::sqrt(square) * wall.opening / (1 - wall.opening + least_closed);
     split_.links.push_back({outer, inner, conductance});
   }
 }
@@ -118,18 +124,39 @@ bool PressurePieces::joins_cells(const CutFace& face, const FacePiece& piece) co
   return is_place(piece.lower_part, face.face) && is_place(piece.upper_part, next_of(face));
 }
 
-double PressurePieces::middle_slope(const CutFace& face, const Field<double>& cells,
-                                    std::span<const double> pieces) const {
-  const FacePiece& centre = cut_.pieces()[static_cast<std::size_t>(face.centre_piece)];
-  double sum = 0, area = 0;
+void PressurePieces::add_middle_slope(const CutFace& face) {
+  const Triple next = next_of(face);
+  const auto further_of = [&](int part) {
+    return part < 0 ? -1 : cut_.parts()[static_cast<std::size_t>(part)].further_piece;
+  };
+  const std::size_t first = slope_terms_.size();
+  double area = 0;
+  const auto add = [&](const FacePiece& piece, double weight) {
+    if (weight <= 0 || !is_fluid(piece.lower_part, face.face) || !is_fluid(piece.upper_part, next)) return;
+    slope_terms_.push_back({{face.face, further_of(piece.lower_part)}, {next, further_of(piece.upper_part)}, weight});
+    area += weight;
+  };
   for (int p = face.first_piece; p < face.first_piece + face.n_pieces; ++p) {
     const FacePiece& piece = cut_.pieces()[static_cast<std::size_t>(p)];
-    const double weight = p == face.centre_piece ? piece.share : piece.share * piece.opening;
-    if (weight <= 0 || !is_fluid(piece.lower_part, face.face) || !is_fluid(piece.upper_part, next_of(face))) continue;
-    sum += weight * slope(face, piece, cells, pieces);
-    area += weight;
+    add(piece, p == face.centre_piece ? piece.share : piece.share * piece.opening);
   }
-  return area > 0 ? sum / area : slope(face, centre, cells, pieces);
+  if (area == 0) add(cut_.pieces()[static_cast<std::size_t>(face.centre_piece)], 1);
+  const double over = block_.axis[face.direction].inverse_control_width[face.face[face.direction]];
+  for (std::size_t t = first; t < slope_terms_.size(); ++t) slope_terms_[t].weight *= over / area;
+  first_slope_term_.push_back(static_cast<int>(slope_terms_.size()));
+}
+
+double PressurePieces::middle_slope(int face, const Field<double>& cells, std::span<const double> pieces) const {
+  const auto value = [&](const PressureUnknown& at) {
+    return at.piece < 0 ? cells(at.cell[0], at.cell[1], at.cell[2]) : pieces[static_cast<std::size_t>(at.piece)];
+  };
+  double sum = 0;
+  const auto f = static_cast<std::size_t>(face);
+  for (int t = first_slope_term_[f]; t < first_slope_term_[f + 1]; ++t) {
+    const SlopeTerm& term = slope_terms_[static_cast<std::size_t>(t)];
+    sum += term.weight * (value(term.upper) - value(term.lower));
+  }
+  return sum;
 }
 
 bool PressurePieces::has_plain_slope(const CutFace& face) const {

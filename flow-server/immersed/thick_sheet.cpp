@@ -21,6 +21,7 @@ ThickSheet::ThickSheet(const BodySurface& sheet, const SurfaceTopology& topology
   const auto n = static_cast<int>(sheet.position.size());
   surface_.name = sheet.name;
   surface_.is_closed = true;
+  surface_.blend_width = sheet.blend_width;
   surface_.triangle = sheet.triangle;
   for (const auto& [a, b, c] : sheet.triangle) surface_.triangle.push_back({a + n, c + n, b + n});
   for (const FreeEdge& edge : topology.free_edge) {

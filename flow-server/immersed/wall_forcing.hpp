@@ -15,15 +15,25 @@ class WallForcing {
  public:
   explicit WallForcing(const FlowBlock& block);
 
+  /// In a velocity that took the slope of the pressure between the middles of cells, for `step_over_density` = dt / rho
+  /// [s m^3/kg]: cut faces between places on different sides of a wall get that of their own side. `before`: the bodies
+  /// whose pressure of pieces goes with `pressure`, that of the cells.
+  void mend_slopes(const BodyGeometry& before, double step_over_density, const Field<double>& pressure,
+                   VectorField& velocity) const;
+
   /// Collective. Forces the predicted `velocity` of faces near the walls of `now`. `before`: the bodies at the start of
   /// the step, whose pressure of pieces goes with `pressure`, that of the cells, ghosts of four layers filled.
   /// Notes in `now` which faces have changed sides; these take nothing of what was predicted for them.
-  /// `step_over_density`: dt / rho [s m^3/kg].
-  void force(const BodyGeometry& before, BodyGeometry& now, double step_over_density, const Field<double>& pressure,
-             HaloExchange& halo, VectorField& velocity);
+  void force(const BodyGeometry& before, BodyGeometry& now, const Field<double>& pressure, HaloExchange& halo,
+             VectorField& velocity);
 
-  /// Collective. Forces the velocity of a stage inside a step, with the walls where they are at its start.
-  void hold(const BodyGeometry& before, HaloExchange& halo, VectorField& velocity) const;
+  /// Collective. Forces the velocity of a stage inside a step, when `elapsed` of it (0 to 1) has passed: between what
+  /// the walls impose where they are at its start and at its end.
+  void hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed, HaloExchange& halo,
+            VectorField& velocity);
+  /// What hold() has changed, taken back from the velocity of the next stage, which went on from the held one: so the
+  /// equations are blended with the wall once a step, by every scheme.
+  void release(VectorField& velocity) const;
 
   /// Exchanges the slopes in the velocity of faces near the walls of `now` for those of the given pressure, and leaves
   /// the velocity of each piece of cut faces with its own slope in piece_velocity().
@@ -36,23 +46,28 @@ class WallForcing {
   const std::vector<double>& piece_shift() const { return piece_shift_; }
 
  private:
-  /// The wall value of u* and of its slope.
+  /// The wall value of u* and of its slope, or what holds beside it.
   struct Imposed {
     double velocity, slope;
   };
-  Imposed imposed(const BodyGeometry& now, const WallValue& value, const Field<double>& pressure,
-                  const Field<double>& velocity) const;
-  /// The mean of the faces beside a place instead, where a gap leaves no room for the wall value.
-  Imposed mixed(const Imposed& wall, double room, const std::vector<Triple>& beside, int component,
-                const VectorField& velocity) const;
+  Imposed imposed(const WallLayer& layer, const WallValue& value, const Field<double>& velocity) const;
+  /// Slopes of faces that images need beside those near walls.
+  void take_slopes_of_images(const WallLayer& layer, const Field<double>& pressure);
   double slope_between_cells(const Field<double>& pressure, int d, const Triple& face) const;
   double slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d, const Triple& face) const;
   bool is_mine(int d, const Triple& face) const;
-  std::vector<Triple> seen_beside(const BodyGeometry& now, const WallValue& value) const;
 
   const FlowBlock& block_;
-  VectorField slope_;  // g on faces near walls [Pa/m]
+  VectorField slope_;                  // g on faces near walls and those of images [Pa/m]
+  std::vector<double> share_;          // (n_forced) of the wall value
+  std::vector<Imposed> left_, fresh_;  // (n_forced) to the equations; of a round
   std::vector<Imposed> ghost_;
+  struct HeldFace {
+    int component;
+    Triple face;
+    double change;  // [m/s]
+  };
+  std::vector<HeldFace> held_;  // of this rank
   std::vector<double> piece_velocity_, piece_shift_;
 };
 

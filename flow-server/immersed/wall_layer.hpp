@@ -4,7 +4,8 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <unordered_map>
+#include <numeric>
+#include <span>
 #include <vector>
 
 #include "flow-server/immersed/line_of_sight.hpp"
@@ -19,6 +20,8 @@ struct WallImage {
   double ratio = 0;  // what its difference to the wall's velocity counts
   Triple base{};     // of the eight faces: those beside it in rising order, x fastest
   std::array<double, 8> weight{};
+
+  double seen() const { return std::accumulate(weight.begin(), weight.end(), 0.0); }  // sum of the weights
 };
 
 /// A velocity component at a place near a wall, on the line through the wall's nearest point and two image points in
@@ -32,7 +35,10 @@ struct WallValue {
   int component = 0;
   Triple face;
   double wall_velocity = 0;  // [m/s]
-  double room = 1;           // 0 in a gap too narrow for an image: what the neighbours say holds there, not this
+  /// 0 in a gap too narrow for an image: what is imposed there is (1 - room) of the mean of the faces beside the place,
+  /// WallLayer::beside().
+  double room = 1;
+  int first_beside = 0, n_beside = 0;
   std::array<WallImage, 2> image;
 };
 
@@ -73,7 +79,8 @@ struct CutRow {
 };
 
 struct WallLayerSettings {
-  double blend_of_closed = 0.25;  // width over which the equations take over, in cells
+  /// Width over which the equations take over, in cells, beside surfaces that do not say it themselves.
+  double blend_of_closed = 0.25;
   double blend_of_sheets = 1;
   double image_distance = 1.5;  // of the nearer image, in cells
 };
@@ -91,8 +98,6 @@ class WallLayer {
   int find_forced(int component, const Triple& face) const;
   bool is_inside_body(int component, const Triple& face) const;
   const std::vector<WallValue>& ghosts() const { return ghosts_; }
-  /// Faces beside that of a ghost that look at it through its wall, from the side from which it is seen.
-  std::vector<Triple> seen_from(int ghost) const;
   const std::vector<CutRow>& rows() const { return rows_; }  // of this rank
   /// Faces of this rank inside closed bodies, next to their walls, with the wall's velocity in `wall_velocity`.
   const std::vector<WallValue>& solid() const { return solid_; }
@@ -103,6 +108,15 @@ class WallLayer {
   /// Of pieces of faces of this rank's cells.
   const std::vector<PieceShift>& shifts() const { return shifts_; }
   static double value_of(const WallValue& value, const Field<double>& velocity);
+  /// Faces of the same component next to a place where there is not enough room for its wall value: those that a forced
+  /// face sees, and those that look at a ghost through its wall.
+  std::span<const Triple> beside(const WallValue& value) const {
+    return std::span(beside_).subspan(static_cast<std::size_t>(value.first_beside),
+                                      static_cast<std::size_t>(value.n_beside));
+  }
+  /// What is imposed: the wall value, or the mean of those beside it, of which there is one at least.
+  double imposed(const WallValue& value, const Field<double>& velocity) const;
+  double mean_beside(const WallValue& value, const Field<double>& field) const;
   /// u_image - U_wall.
   static double rise_to(const WallImage& image, double wall_velocity, const Field<double>& velocity);
 
@@ -110,28 +124,35 @@ class WallLayer {
   const LineOfSight& sight() const { return sight_; }
   /// Faces of cut cells and of the cells beside them, as far as their velocities are known to this rank.
   const std::vector<Triple>& near_faces(int component) const { return near_faces_[component]; }
-  bool is_near(int component, const Triple& face) const { return entry(component, face).marks != 0; }
+  bool is_near(int component, const Triple& face) const { return (entry(component, face).marks & near_wall) != 0; }
+  /// Faces that are not near but that the first images are interpolated from.
+  const std::vector<Triple>& image_faces(int component) const { return image_faces_[component]; }
+  /// Whether a near face is one of whole fluid cells: the slope of a pressure there is the one between both.
+  bool is_of_whole_cells(int component, const Triple& face) const {
+    return (entry(component, face).marks & of_whole_cells) != 0;
+  }
   double spacing(const Triple& cell, const Eigen::Vector3d& direction) const;
   bool is_known(int component, const Triple& face) const;
   /// Base and weights of a component at any point, from faces that are seen from `from`, which need not be near.
   WallImage image_at(int component, const Eigen::Vector3d& point, const Triple& from) const;
 
  private:
-  struct Key {
-    int component;
-    Triple face;
-    int direction;
-    friend bool operator==(const Key&, const Key&) = default;
-  };
-  struct KeyHash {
-    std::size_t operator()(const Key& key) const;
+  /// Distances of the images from the wall: a cell apart. Farther ones would need more layers of neighbours' cells.
+  static constexpr double far_over_near = 5.0 / 3;
+  static constexpr std::uint8_t inside_body = 8, near_wall = 16, of_whole_cells = 32, for_images = 64;
+  /// Those that keep nothing from sight.
+  static constexpr std::uint8_t free_marks = near_wall | of_whole_cells | for_images;
+  /// What a face whose links to the next ones along x, y, z are not all free sees there, and what is seen from there.
+  struct Links {
+    std::array<Sight, 3> ahead, back;
   };
   /// What is known of a face, side by side in memory.
   struct FaceEntry {
     int forced = 0;      // in forced_, counted from 1
     int last_ghost = 0;  // the last ghost made of it, in ghosts_, counted from 1
-    /// Bits of a face near a wall: 1, 2, 4: blocked, wholly or partly, towards the next one along x, y, z; 8: inside a
-    /// body; 16: near.
+    int links = 0;       // in links_, counted from 1
+    NearbyWalls walls;
+    /// Bits: 1, 2, 4: blocked, wholly or partly, towards the next one along x, y, z; those named below.
     std::uint8_t marks = 0;
   };
   FaceEntry& entry(int component, const Triple& face) { return entry_[component](face[0], face[1], face[2]); }
@@ -144,20 +165,33 @@ class WallLayer {
     bool is_outer;
     int before;
   };
+  struct Neighbours {
+    int n = 0;
+    std::array<Triple, 6> face;
+  };
   /// The ghost of a face as it is seen from that side of a surface; made when it is asked for the first time.
   int ghost(int component, const Triple& face, int surface, bool is_outer);
   void collect_faces();
+  void add_image_faces(const WallValue& value);
   void add_pieces();
   void add_shift(const CutFace& face, int piece);
   void find_links(int component, const Triple& face);
   void add_face(int component, const Triple& face);
   void add_row(int component, const Triple& face);
-  bool is_free(int component, const Triple& face, int e, int step) const;
+  Sight sight_to(int component, const Triple& face, int e, int step) const;
+  double blend_of(const BodySurface& surface) const;
   bool is_beyond_border(int component, const Triple& face) const;
   void set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
                   double near, double room_for_far, const Triple& from) const;
+  template <class Wanted>
+  Neighbours fluid_neighbours(int component, const Triple& face, const Wanted& wanted) const;
+  void set_room(WallValue& value, double room, const Neighbours& beside);
   void weigh_seen_faces(int component, WallImage& image, const Eigen::Vector3d& place, const Triple& from,
                         int detour) const;
+  bool is_all_free(int component, const Box& faces) const;
+  /// Weights of trilinear interpolation times how well each face is seen.
+  template <class Seen>
+  void weigh(WallImage& image, const Eigen::Vector3d& place, const Seen& seen) const;
   double openness(int component, const Triple& face, int e, int step) const;
   Eigen::Vector3d position(int component, const Triple& face) const;
 
@@ -165,16 +199,18 @@ class WallLayer {
   const CutCells& cut_;
   LineOfSight sight_;
   WallLayerSettings settings_;
-  std::span<const BodySurface> surfaces_;
   NearestWall nearest_;
-  std::array<Box, 3> known_;                            // faces of each component that neighbours and borders fill in
-  std::array<std::vector<Triple>, 3> near_faces_;       // of each component, near cut cells
-  std::array<Field<FaceEntry>, 3> entry_;               // of each face of each component
-  std::unordered_map<Key, double, KeyHash> half_open_;  // of links through a smooth free edge
+  std::array<Box, 3> known_;                       // faces of each component that neighbours and borders fill in
+  std::array<Box, 3> within_borders_;              // those of them that are not beyond a border or on it
+  std::array<std::vector<Triple>, 3> near_faces_;  // of each component, near cut cells
+  std::array<std::vector<Triple>, 3> image_faces_;
+  std::array<Field<FaceEntry>, 3> entry_;  // of each face of each component
+  std::vector<Links> links_;
   std::vector<ForcedFace> forced_;
   std::vector<WallValue> ghosts_, solid_;
   std::vector<CutRow> rows_;
   std::vector<GhostSide> ghost_side_;  // of each ghost
+  std::vector<Triple> beside_;
   std::vector<int> ghost_of_piece_;
   std::vector<PieceShift> shifts_;
 };

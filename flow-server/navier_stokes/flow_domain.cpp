@@ -37,8 +37,19 @@ void find_inner_walls(FlowBlock& block) {
 
 }  // namespace
 
+FixedSolid find_fixed_solid(const NavierStokesSetup& setup, const BlockDecomposition& decomposition) {
+  return setup.bodies ? FixedSolid(setup.grid, decomposition, setup.bodies(0)) : FixedSolid();
+}
+
+FlowBorder::IsFluid fluid_of(const NavierStokesSetup& setup, const FixedSolid& solid) {
+  if (solid.is_empty()) return setup.is_fluid;
+  return [is_fluid = setup.is_fluid, &solid](const Point& centre) {
+    return (!is_fluid || is_fluid(centre)) && !solid.contains(centre);
+  };
+}
+
 FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecomposition& decomposition,
-                          const FlowBorder& border) {
+                          const FlowBorder& border, const FixedSolid& solid) {
   FlowBlock block;
   block.grid = &setup.grid;
   block.decomposition = &decomposition;
@@ -49,6 +60,7 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
   block.ghosts = {n_ghosts, n_ghosts, block.n_dimensions == 3 ? n_ghosts : 0};
   for (int d = 0; d < 3; ++d) block.axis[d] = make_axis_metrics(setup.grid.axis[d], mine.begin[d], mine.end[d]);
 
+  const bool has_mask = setup.is_fluid || !solid.is_empty();
   const Triple n_cells = setup.grid.n_cells();
   const std::array<bool, 3> is_periodic = setup.grid.is_periodic();
   // Whether a cell, local and one beyond the block at most, is inside the grid and fluid.
@@ -60,14 +72,14 @@ FlowBlock make_flow_block(const NavierStokesSetup& setup, const BlockDecompositi
       if (global < 0 || global >= n_cells[d]) return false;
       centre[d] = setup.grid.axis[d].centre(global);
     }
-    return !setup.is_fluid || setup.is_fluid(centre);
+    return (!setup.is_fluid || setup.is_fluid(centre)) && !solid.contains(cell);
   };
   const Box all = box_of(block.sizes);
-  block.cells = setup.is_fluid ? ActiveCells::where(all,
-                                                    [&](int i, int j, int k) {
-                                                      return is_fluid({i, j, k});
-                                                    })
-                               : ActiveCells::all(all);
+  block.cells = has_mask ? ActiveCells::where(all,
+                                              [&](int i, int j, int k) {
+                                                return is_fluid({i, j, k});
+                                              })
+                         : ActiveCells::all(all);
   for (int d = 0; d < block.n_dimensions; ++d) {
     // With walls inside the grid also the faces beside the block, to see whether they are closed.
     Box range = setup.is_fluid ? all.grown({1, 1, block.n_dimensions == 3 ? 1 : 0}) : all;

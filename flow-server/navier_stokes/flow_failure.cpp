@@ -87,4 +87,28 @@ void refuse_step(const FlowBlock& block, const FlowState& state, bool is_by_diff
                               "look at the flow there; allow smaller steps or make the cells larger");
 }
 
+void refuse_leaving_body(const StretchedGrid& grid, const BodySurface& body, double time) {
+  double nearest = std::numeric_limits<double>::infinity();
+  std::string border, reached;
+  for (int d = 0; d < grid.n_dimensions; ++d) {
+    const StretchedAxis& axis = grid.axis[d];
+    const auto at = static_cast<std::size_t>(d);
+    if (axis.is_periodic()) continue;
+    for (const int side : {0, 1}) {
+      const double place = side == 0 ? axis.start() : axis.end();
+      double gap = std::numeric_limits<double>::infinity();  // negative beyond the border
+      for (const Point& corner : body.position)
+        gap = std::min(gap, side == 0 ? corner[at] - place : place - corner[at]);
+      if (gap >= nearest) continue;
+      nearest = gap;
+      const std::string name(1, "xyz"[at]);
+      border = name + (side == 0 ? " start at " : " end at ") + name + " = " + text(place) + " m";
+      reached = name + " = " + text(side == 0 ? place + gap : place - gap) + " m";
+    }
+  }
+  throw report::NumericsError("body '" + body.name + "' at t = " + text(time) + " s",
+                              "moves through an open border of the grid, " + border + ": it reaches to " + reached,
+                              "end the run before, or give it a longer grid");
+}
+
 }  // namespace couplet::flow

@@ -57,8 +57,9 @@ struct FractionalStep::Parts {
   Parts(NavierStokesSetup given, const BlockDecomposition& blocks)
       : setup(std::move(given)),
         decomposition(blocks),
-        border(checked(setup, blocks).grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
-        block(make_flow_block(setup, blocks, border)),
+        solid(find_fixed_solid(checked(setup, blocks), blocks)),
+        border(setup.grid, blocks, setup.border, fluid_of(setup, solid), setup.balances_inflow),
+        block(make_flow_block(setup, blocks, border, solid)),
         ghosts(block, border),
         bodies(setup.bodies ? std::make_unique<ImmersedBodies>(block, setup.body_settings) : nullptr),
         predictor(setup, block, border, ghosts, bodies.get()),
@@ -79,6 +80,7 @@ struct FractionalStep::Parts {
 
   NavierStokesSetup setup;
   const BlockDecomposition& decomposition;
+  FixedSolid solid;
   FlowBorder border;
   FlowBlock block;
   FlowGhosts ghosts;
@@ -124,6 +126,7 @@ AdvanceReport FractionalStep::advance(const FlowState& start, double duration, F
     for (bool is_taken = false; !is_taken;) {
       const double dt = (duration - done) / plan.n_steps;
       if (dt < smallest_step) refuse_step(parts.block, *from, rates.diffusion > rates.courant, dt, smallest_step);
+      parts.correction.place_bodies(from->time + dt, to);
       parts.predictor.predict(*from, dt, plan.scheme, to);
       const PressureCorrection::Result corrected = parts.correction.correct_step(*from, dt, to);
       // A flow that speeds up within the step, from rest say, takes it again in shorter ones.

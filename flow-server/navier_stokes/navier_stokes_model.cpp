@@ -8,6 +8,8 @@
 #include <limits>
 #include <utility>
 
+#include "flow-server/immersed/triangle_geometry.hpp"
+#include "flow-server/navier_stokes/body_placement.hpp"
 #include "flow-server/poisson/multigrid.hpp"
 #include "proto/report/failure.hpp"
 
@@ -105,6 +107,7 @@ NavierStokesModel::NavierStokesModel(NavierStokesOptions options, MPI_Comm ranks
     : options_(std::move(options)),
       surfaces_(make_surfaces()),
       decomposition_(decompose(options_.setup.grid, options_.shape, ranks)),
+      notes_(note_placement()),
       step_(options_.setup, that_fits(decomposition_, options_.setup.is_fluid || options_.setup.bodies)),
       accepted_(step_.initial_state()),
       force_(surface::NodeArray::Zero(0, 3)) {
@@ -121,8 +124,18 @@ FlowPart NavierStokesModel::part() const {
 
 std::optional<BodySurfaces> NavierStokesModel::make_surfaces() {
   if (options_.bodies.empty()) return std::nullopt;
+  if (options_.coupled) options_.bodies[static_cast<std::size_t>(*options_.coupled)].is_moved_from_outside = true;
   options_.setup.bodies = [this](double time) { return surfaces_->at(time); };
   return std::optional<BodySurfaces>(std::in_place, options_.bodies, options_.setup.grid);
+}
+
+std::vector<std::string> NavierStokesModel::note_placement() {
+  if (!surfaces_) return {};
+  std::vector<std::string> notes = surfaces_->notes();
+  // The motion of a coupled body comes later.
+  const std::vector<std::string> found = check_placement(*surfaces_, options_.setup.grid, decomposition_);
+  notes.insert(notes.end(), found.begin(), found.end());
+  return notes;
 }
 
 std::vector<std::string> NavierStokesModel::needs() const {
@@ -164,17 +177,43 @@ std::vector<FlowQuantity> NavierStokesModel::accept_step() {
       {"flow.pressure_iterations", static_cast<double>(report_.pressure_iterations), "1"},
       {"flow.pressure_residual", report_.pressure_residual, "1"},
   };
-  for (std::size_t b = 0; b < loads_.size(); ++b)
-    for (int d = 0; d < options_.setup.grid.n_dimensions; ++d) {
+  add_body_quantities(quantities);
+  add_measurements(quantities);
+  return quantities;
+}
+
+/// Forces; their power on the motion of bodies that move; moments.
+void NavierStokesModel::add_body_quantities(std::vector<FlowQuantity>& quantities) const {
+  const int n_dimensions = options_.setup.grid.n_dimensions;
+  for (std::size_t b = 0; b < loads_.size(); ++b) {
+    const BodySetup& body = options_.bodies[b];
+    const BodySurface& surface = accepted_.bodies->surfaces()[b];
+    const std::string name = "body." + body.name + ".";
+    for (int d = 0; d < n_dimensions; ++d) {
       const auto at = static_cast<std::size_t>(d);
-      const std::string name = "body." + options_.bodies[b].name + ".";
       const std::string direction(1, "xyz"[d]);
       const double pressure = loads_[b].pressure_force[at], viscous = loads_[b].viscous_force[at];
       quantities.push_back({name + "force_" + direction, pressure + viscous, "N"});
       quantities.push_back({name + "viscous_force_" + direction, viscous, "N"});
     }
-  add_measurements(quantities);
-  return quantities;
+    if (!body.motion.is_fixed() || options_.coupled == static_cast<int>(b)) {
+      double power = 0;  // sum of F_c . u_c
+      for (std::size_t c = 0; c < surface.velocity.size(); ++c)
+        power += dot(loads_[b].corner_force[c], surface.velocity[c]);
+      quantities.push_back({name + "power", power, "W"});
+    }
+    for (const FlowObservation::Moment& moment : options_.observed.moments) {
+      if (moment.body != b) continue;
+      Eigen::Vector3d about = Eigen::Vector3d::Map(moment.about.data());
+      if (moment.is_carried) {
+        const RigidPose pose = body.motion.pose(accepted_.time);
+        about = pose.rotation * about + pose.shift;
+      }
+      const Point value = moment_about({about[0], about[1], about[2]}, surface, loads_[b].corner_force);
+      for (int d = n_dimensions == 2 ? 2 : 0; d < 3; ++d)
+        quantities.push_back({name + "moment_" + std::string(1, "xyz"[d]), value[static_cast<std::size_t>(d)], "N m"});
+    }
+  }
 }
 
 void NavierStokesModel::add_measurements(std::vector<FlowQuantity>& quantities) const {
@@ -280,12 +319,20 @@ void NavierStokesModel::require_same_bodies(const StoredBodies& stored, const st
 
 void NavierStokesModel::start_results(const std::filesystem::path& results_folder) {
   const Stopwatch watch(results_seconds_);
-  results_.emplace(results_folder, options_.setup.grid, decomposition_, options_.observed.regions, accepted_.time);
+  stored_surfaces_.clear();
+  for (std::size_t b = 0; b < options_.bodies.size(); ++b)
+    stored_surfaces_.push_back(stored_surface(surfaces_->shown(static_cast<int>(b))));
+  results_.emplace(results_folder, options_.setup.grid, decomposition_, options_.observed.regions, accepted_.time,
+                   stored_surfaces_);
 }
 
 void NavierStokesModel::append_results() {
   const Stopwatch watch(results_seconds_);
-  results_->append(part());
+  if (!accepted_.bodies) return results_->append(part());
+  std::vector<std::vector<Point>> force;
+  for (std::size_t b = 0; b < loads_.size(); ++b)
+    force.push_back(surfaces_->shown_force(static_cast<int>(b), loads_[b].corner_force));
+  results_->append(part(), measure_surfaces(part(), stored_surfaces_, loads_, force));
 }
 
 std::vector<FlowQuantity> NavierStokesModel::costs() const {

@@ -19,10 +19,17 @@ namespace couplet::flow {
 
 /// What is looked at in a flow, beside what is always reported.
 struct FlowObservation {
+  /// The moment of the force on a body about a point.
+  struct Moment {
+    std::size_t body = 0;
+    Point about;              // with the body at rest [m]
+    bool is_carried = false;  // by the prescribed motion of the body
+  };
   std::vector<FieldRegion> regions;  // stored at the times of the run's results
   std::vector<PlaneCut> planes;
   std::vector<PointProbe> probes;
   std::vector<BalanceBox> balances;  // of momentum, around bodies
+  std::vector<Moment> moments;
   bool has_integrals = false;
   std::optional<ExactFlow> exact;  // that the flow is compared with
 };
@@ -60,24 +67,28 @@ class NavierStokesModel : public FlowModel {
 
   const FlowState& state() const { return accepted_; }
   const BlockDecomposition& decomposition() const { return decomposition_; }
-  /// Sentences for the log on what was done to the surfaces of bodies.
-  std::vector<std::string> notes() const { return surfaces_ ? surfaces_->notes() : std::vector<std::string>{}; }
+  /// Sentences for the log on the surfaces of bodies: what was done to them, where they lie.
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   FlowPart part() const;
   std::optional<BodySurfaces> make_surfaces();
+  std::vector<std::string> note_placement();
   void measure_loads(const FlowState& state);
   void read_state(const std::filesystem::path& path, bool is_same_run);
   void require_same_bodies(const StoredBodies& stored, const std::filesystem::path& path) const;
+  void add_body_quantities(std::vector<FlowQuantity>& quantities) const;
   void add_measurements(std::vector<FlowQuantity>& quantities) const;
 
   NavierStokesOptions options_;
   std::optional<BodySurfaces> surfaces_;
   BlockDecomposition decomposition_;
+  std::vector<std::string> notes_;
   FractionalStep step_;
   FlowState accepted_, trial_;
   AdvanceReport report_;
   std::optional<FieldWriter> results_;
+  std::vector<StoredSurface> stored_surfaces_;
   std::vector<SurfaceLoad> loads_;  // of each body, in the state that was measured last
   surface::SurfaceMesh interface_;  // without nodes where no body is moved from outside
   surface::NodeArray force_;

@@ -65,7 +65,7 @@ void Predictor::predict_by_adams_bashforth(const FlowState& from, double dt, Flo
   advance_momentum(block_, block_.everything(), weights, from.velocity, from.velocity, from.pressure,
                    &rate_before(from, to), &to.rate, to.velocity);
   if (from.bodies) {
-    correct_cut_rows(block_, from.bodies->layer(), weights.viscosity, weights.now, from.velocity, &to.rate,
+    correct_cut_rows(block_, from.bodies->layer(), 1, weights.viscosity, weights.now, from.velocity, &to.rate,
                      to.velocity);
     for (std::size_t n = 0; n < forgotten.size(); ++n) {
       const auto& [c, face, closed] = from.bodies->changed_faces[n];
@@ -73,6 +73,7 @@ void Predictor::predict_by_adams_bashforth(const FlowState& from, double dt, Flo
           weights.before * closed * (to.rate[c](face[0], face[1], face[2]) - forgotten[n]);
     }
   }
+  if (from.bodies) bodies_->forcing().mend_slopes(*from.bodies, dt / setup_.density, from.pressure, to.velocity);
   force_.add_varying(middle, dt, to.velocity);
   border_.add_pressure_change(dt / setup_.density, from.pressure, to.velocity);
   border_.set_time(from.time + dt, dt, from.velocity);
@@ -101,7 +102,7 @@ void Predictor::predict_by_runge_kutta(const FlowState& from, double dt, bool ke
       advance_momentum(block_, block_.everything(), weights, from.velocity, from.velocity, from.pressure, nullptr,
                        &first_rate, fresh);
       if (from.bodies)
-        correct_cut_rows(block_, from.bodies->layer(), weights.viscosity, weights.now, from.velocity, &first_rate,
+        correct_cut_rows(block_, from.bodies->layer(), 1, weights.viscosity, weights.now, from.velocity, &first_rate,
                          fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage_;
@@ -109,16 +110,21 @@ void Predictor::predict_by_runge_kutta(const FlowState& from, double dt, bool ke
         advance_momentum(block_, box, weights, old, old, from.pressure, s == 1 ? &first_rate : &rate_,
                          s == 1 ? &rate_ : nullptr, fresh);
       });
+      // Walls that have moved on: between the rates with those at the start and at the end of the step.
+      const double share = elapsed / dt;
       if (from.bodies)
-        correct_cut_rows(block_, from.bodies->layer(), weights.viscosity, weights.now, old, s == 1 ? &rate_ : nullptr,
-                         fresh);
+        for (const bool is_end : {false, true})
+          correct_cut_rows(block_, (is_end ? to : from).bodies->layer(), is_end ? share : 1 - share, weights.viscosity,
+                           weights.now, old, s == 1 ? &rate_ : nullptr, fresh);
+      if (from.bodies) bodies_->forcing().release(fresh);
     }
+    if (from.bodies) bodies_->forcing().mend_slopes(*from.bodies, part / setup_.density, from.pressure, fresh);
     force_.add_varying(middle, part, fresh);
     border_.add_pressure_change(part / setup_.density, from.pressure, fresh);
     elapsed += part;
     border_.set_time(s == 2 ? from.time + dt : from.time + elapsed, elapsed, from.velocity);
     border_.impose(fresh);
-    if (bodies_ && s < 2) bodies_->forcing().hold(*from.bodies, ghosts_.exchange(), fresh);
+    if (bodies_ && s < 2) bodies_->forcing().hold(*from.bodies, *to.bodies, elapsed / dt, ghosts_.exchange(), fresh);
   }
   to.rate_kind = keeps_rate ? RateKind::of_momentum : RateKind::none;
 }

@@ -60,20 +60,16 @@ void PressureCorrection::place_bodies(double time, FlowState& state) {
 void PressureCorrection::force_walls(const FlowState& from, double step_over_density, FlowState& to) {
   BodyGeometry& now = *to.bodies;
   std::vector<Box> changed;
-  bodies_->write_problem(now, problem_, changed);
-  solver_->update(changed);
+  if (bodies_->write_problem(now, problem_, changed)) solver_->update(changed);
   whole_cells_ = now.cut().whole(block_.cells);
   WallForcing& forcing = bodies_->forcing();
-  forcing.force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to.velocity);
+  forcing.force(*from.bodies, now, from.pressure, ghosts_.exchange(), to.velocity);
   bodies_->carry_pressure(*from.bodies, from.pressure, now, to.pressure);
   forcing.take_slopes_of(now, step_over_density, to.pressure, to.velocity);
 }
 
 PressureCorrection::Result PressureCorrection::correct_step(const FlowState& from, double dt, FlowState& to) {
-  if (bodies_) {
-    place_bodies(from.time + dt, to);
-    force_walls(from, dt / setup_.density, to);
-  }
+  if (bodies_) force_walls(from, dt / setup_.density, to);
   take_divergence_of(to.velocity, setup_.density / dt, to.bodies.get());
   const double speed_at_rest = courant_at_rest * smallest_width_ / dt;
   const double speed = std::max(from.largest_speed, speed_at_rest);
@@ -102,10 +98,7 @@ PressureCorrection::Result PressureCorrection::correct_step(const FlowState& fro
 
   if (!std::isfinite(measure.divergence_sum)) require_finite(block_, to.velocity, to.time);
   if (measure.leaving > 0)
-    throw report::NumericsError("body '" + to.bodies->surfaces()[static_cast<std::size_t>(measure.leaving) - 1].name +
-                                    "' at t = " + text(to.time) + " s",
-                                "moves through an open border of the grid",
-                                "end the run before, or give it a longer grid");
+    refuse_leaving_body(*block_.grid, to.bodies->surfaces()[static_cast<std::size_t>(measure.leaving) - 1], to.time);
   if (measure.divergence * smallest_width_ > largest_divergence * std::max(measure.speed, speed_at_rest))
     throw report::NumericsError("pressure at t = " + text(to.time) + " s",
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +
@@ -122,9 +115,10 @@ FlowMeasure PressureCorrection::correct_velocity(const FlowState& from, double s
                    to.velocity);
   // Cells whose place belongs to another part than before start from the pressure of that part.
   BodyGeometry& now = *to.bodies;
+  const Box mine = box_of(block_.sizes);
   std::vector<double> carried;
   for (const CutCell& cell : now.cut().cells())
-    carried.push_back(to.pressure(cell.cell[0], cell.cell[1], cell.cell[2]));
+    if (mine.contains(cell.cell)) carried.push_back(to.pressure(cell.cell[0], cell.cell[1], cell.cell[2]));
   bodies_->keep_cut_faces(now, to.velocity);
   correct(block_, ActiveCells::all({}), step_over_density, phi_, viscous_factor, source_, from.pressure, to.pressure,
           to.velocity);
@@ -132,10 +126,10 @@ FlowMeasure PressureCorrection::correct_velocity(const FlowState& from, double s
   for (std::size_t n = 0; n < piece_phi_.size(); ++n)
     further_phi_[static_cast<std::size_t>(now.pieces().listed()[n])] = piece_phi_[n];
   bodies_->correct_cut_faces(now, step_over_density, phi_, further_phi_, to.velocity);
-  const Box mine = box_of(block_.sizes);
-  for (std::size_t c = 0; c < carried.size(); ++c) {
-    const auto& [i, j, k] = now.cut().cells()[c].cell;
-    if (mine.contains({i, j, k})) to.pressure(i, j, k) = carried[c] + phi_(i, j, k);
+  std::size_t n_carried = 0;
+  for (const CutCell& cell : now.cut().cells()) {
+    const auto& [i, j, k] = cell.cell;
+    if (mine.contains(cell.cell)) to.pressure(i, j, k) = carried[n_carried++] + phi_(i, j, k);
   }
   for (std::size_t f = 0; f < further_phi_.size(); ++f) now.piece_pressure[f] += further_phi_[f];
   bodies_->fill_piece_ghosts(ghosts_.exchange(), now);

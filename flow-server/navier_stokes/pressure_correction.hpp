@@ -24,8 +24,9 @@ class PressureCorrection {
     FlowMeasure measure;
   };
 
-  /// Collective. Ends a step: div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi. Sets the times and
-  /// measures of the end state and fills its ghosts. Throws NumericsError where divergence is left.
+  /// Collective. Ends a step: div grad phi = rho div u* / dt, u = u* - dt / rho grad phi, p += phi. The bodies of
+  /// the end state stand in their places. Sets its times and measures and fills its ghosts. Throws NumericsError where
+  /// divergence is left.
   Result correct_step(const FlowState& from, double dt, FlowState& to);
 
   /// Collective. u -= grad phi with div grad phi = div u, almost to round-off: for an initial velocity.

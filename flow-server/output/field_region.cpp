@@ -16,6 +16,8 @@ std::string name_of(FieldQuantity quantity) {
       return "q_criterion";
     case FieldQuantity::swirling_strength:
       return "swirling_strength";
+    case FieldQuantity::fluid_share:
+      return "fluid_share";
   }
   return "unknown";
 }

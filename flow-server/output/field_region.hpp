@@ -9,7 +9,8 @@
 
 namespace couplet::flow {
 
-enum class FieldQuantity { velocity, pressure, vorticity, q_criterion, swirling_strength };
+/// fluid_share: of the cell's volume, 0 inside bodies and solid cells.
+enum class FieldQuantity { velocity, pressure, vorticity, q_criterion, swirling_strength, fluid_share };
 
 std::string name_of(FieldQuantity quantity);
 bool is_vector(FieldQuantity quantity);

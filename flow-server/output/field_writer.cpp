@@ -57,6 +57,8 @@ void append_values(const FlowPart& part, FieldQuantity quantity, const Triple& c
       return values.push_back(q_criterion(velocity.gradient(cell)));
     case FieldQuantity::swirling_strength:
       return values.push_back(swirling_strength(velocity.gradient(cell)));
+    case FieldQuantity::fluid_share:
+      return values.push_back(fluid_share(part, cell));
   }
 }
 
@@ -81,16 +83,20 @@ void on_first_rank(const BlockDecomposition& decomposition, const std::filesyste
 }  // namespace
 
 FieldWriter::FieldWriter(const std::filesystem::path& results_folder, const StretchedGrid& grid,
-                         const BlockDecomposition& decomposition, std::vector<FieldRegion> regions, double time)
-    : folder_(results_folder), decomposition_(decomposition), regions_(std::move(regions)) {
+                         const BlockDecomposition& decomposition, std::vector<FieldRegion> regions, double time,
+                         std::vector<StoredSurface> surfaces)
+    : folder_(results_folder),
+      decomposition_(decomposition),
+      regions_(std::move(regions)),
+      surfaces_(std::move(surfaces)) {
   on_first_rank(decomposition_, folder_, [&] {
-    catalogue_ = std::make_unique<StateCatalogue>(folder_, grid, regions_, time);
+    catalogue_ = std::make_unique<StateCatalogue>(folder_, grid, regions_, surfaces_, time);
     next_number_ = catalogue_->next_number();
   });
   MPI_Bcast(&next_number_, 1, MPI_INT64_T, 0, decomposition_.communicator());
 }
 
-void FieldWriter::append(const FlowPart& part) {
+void FieldWriter::append(const FlowPart& part, std::span<const SurfaceValues> surfaces) {
   const std::filesystem::path path = folder_ / state_file_name(next_number_);
   ParallelFile file = ParallelFile::create(store::unfinished(path), decomposition_.communicator());
   for (const FieldRegion& region : regions_) {
@@ -112,6 +118,8 @@ void FieldWriter::append(const FlowPart& part) {
                  region.precision);
     }
   }
+  for (std::size_t s = 0; s < surfaces_.size(); ++s)
+    write_surface(file, surfaces_[s], surfaces[s], decomposition_.rank());
   file.write_list("time", {part.state.time});
   file.close();
   on_first_rank(decomposition_, folder_, [&] {

@@ -3,18 +3,24 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flow-server/immersed/body_geometry.hpp"
+#include "flow-server/output/open_face.hpp"
+
 namespace couplet::flow {
 
 namespace {
 
-/// Visits the active cells of the block itself, without ghosts, as (j, k, i_begin, i_end).
+/// Visits the cells of the block itself that are fluid and not cut by bodies, as (j, k, i_begin, i_end).
 template <class Visit>
 void for_each_run(const FlowPart& part, Visit visit) {
   const Box own = box_of(part.decomposition.mine().sizes());
   if (own.is_empty()) return;
+  const BodyGeometry* const bodies = part.state.bodies.get();
+  const ActiveCells whole = bodies ? bodies->cut().whole(part.active) : ActiveCells::all({});
+  const ActiveCells& cells = bodies ? whole : part.active;
   for (int k = 0; k < own.end[2]; ++k) {
     for (int j = 0; j < own.end[1]; ++j) {
-      for (const Interval& run : part.active.row(j, k)) {
+      for (const Interval& run : cells.row(j, k)) {
         const int begin = std::max(run.begin, 0), end = std::min(run.end, own.end[0]);
         if (begin < end) visit(j, k, begin, end);
       }
@@ -43,6 +49,17 @@ double square(double x) {
 
 }  // namespace
 
+double fluid_share(const FlowPart& part, const Triple& cell) {
+  if (!part.active.contains(cell[0], cell[1], cell[2])) return 0;
+  if (!part.state.bodies) return 1;
+  const CutCells& cut = part.state.bodies->cut();
+  const int index = cut.find(cell);
+  if (index < 0) return cut.is_solid(cell) ? 0 : 1;
+  const double volume =
+      part.grid.volume({part.origin()[0] + cell[0], part.origin()[1] + cell[1], part.origin()[2] + cell[2]});
+  return cut.fluid_volume(cut.cells()[static_cast<std::size_t>(index)]) / volume;
+}
+
 IntegralQuantities integrate(const FlowPart& part, double density, double viscosity) {
   const Triple sizes = part.decomposition.mine().sizes(), origin = part.origin();
   const int n_dimensions = part.grid.n_dimensions == 2 ? 2 : 3;
@@ -54,11 +71,10 @@ IntegralQuantities integrate(const FlowPart& part, double density, double viscos
   const std::array<std::ptrdiff_t, 3> step{1, first.stride_y(), first.stride_z()};
   std::vector<double> energy(static_cast<std::size_t>(sizes[0])), strain(energy), rotation(energy);
 
-  for_each_run(part, [&](int j, int k, int begin, int end) {
+  const auto add_run = [&](int j, int k, int begin, int end, double share) {
     const Triple row{0, j, k};
-    std::fill(energy.begin(), energy.end(), 0.0);
-    std::fill(strain.begin(), strain.end(), 0.0);
-    std::fill(rotation.begin(), rotation.end(), 0.0);
+    for (std::vector<double>* const sums : {&energy, &strain, &rotation})
+      std::fill(sums->begin() + begin, sums->begin() + end, 0.0);
     double* __restrict e = energy.data();
     double* __restrict s = strain.data();
     double* __restrict w = rotation.data();
@@ -106,10 +122,17 @@ IntegralQuantities integrate(const FlowPart& part, double density, double viscos
       strain_sum += volume * s[i];
       rotation_sum += volume * w[i];
     }
-    total.kinetic_energy += 0.5 * density * energy_sum;
-    total.dissipation += viscosity * strain_sum;
-    total.enstrophy += 0.5 * rotation_sum;
-  });
+    total.kinetic_energy += share * 0.5 * density * energy_sum;
+    total.dissipation += share * viscosity * strain_sum;
+    total.enstrophy += share * 0.5 * rotation_sum;
+  };
+  for_each_run(part, [&](int j, int k, int begin, int end) { add_run(j, k, begin, end, 1); });
+  if (!part.state.bodies) return total;
+  const CutCells& cut = part.state.bodies->cut();
+  for (const CutCell& cell : cut.cells()) {
+    const auto& [i, j, k] = cell.cell;
+    if (box_of(sizes).contains(cell.cell)) add_run(j, k, i, i + 1, fluid_share(part, cell.cell));
+  }
   return total;
 }
 
@@ -134,6 +157,7 @@ PlaneRates integrate(const FlowPart& part, const PlaneCut& plane, double density
   const StretchedAxis& axis = part.grid.axis[d];
   const Box& mine = part.decomposition.mine();
   const int cell = cell_around(axis, plane.position);
+  const BodyGeometry* const bodies = part.state.bodies.get();
   PlaneRates rates;
   if (!part.decomposition.has_cells() || cell < mine.begin[d] || cell >= mine.end[d]) return rates;
   const double after = (plane.position - axis.face(cell)) / axis.width(cell);  // share of the face behind the cell
@@ -148,9 +172,11 @@ PlaneRates integrate(const FlowPart& part, const PlaneCut& plane, double density
       here[b] = before[b] = jb;
       if (area == 0 || !part.active.contains(here[0], here[1], here[2])) continue;
       const Field<double>& u = part.state.velocity[d];
-      const double normal = (1 - after) * u(before[0], before[1], before[2]) + after * u(here[0], here[1], here[2]);
+      const double normal =
+          (1 - after) * open_velocity(bodies, u, d, before) + after * open_velocity(bodies, u, d, here);
+      const double share = (1 - after) * open_share(bodies, d, before) + after * open_share(bodies, d, here);
       rates.flow_rate += area * normal;
-      rates.momentum_flux += density * area * normal * normal;
+      if (share > 0) rates.momentum_flux += density * area * normal * normal / share;
     }
   }
   return rates;

@@ -24,7 +24,11 @@ struct FlowPart {
   const Triple& origin() const { return decomposition.mine().begin; }
 };
 
-/// Sums over all cells that hold fluid.
+/// Share of the volume of a cell, local indices, that holds fluid: 0 inside bodies and in cells that are not active;
+/// of cut cells that of their fluid parts.
+double fluid_share(const FlowPart& part, const Triple& cell);
+
+/// Sums over all cells that hold fluid; cells that surfaces cut count by their share of it.
 struct IntegralQuantities {
   double kinetic_energy = 0;  // rho / 2 integral of u^2, on the faces where the components stand [J]
   double dissipation = 0;     // mu integral of 2 S : S [W]
@@ -45,7 +49,8 @@ struct PlaneRates {
   double flow_rate = 0;      // integral of u_n [m^3/s]
   double momentum_flux = 0;  // rho integral of u_n^2 [N]
 };
-/// u_n is linear between the two faces around the plane; cells that the box cuts count by their share.
+/// u_n is linear between the two faces around the plane; cells that the box cuts count by their share, and so do faces
+/// that bodies cut.
 PlaneRates integrate(const FlowPart& part, const PlaneCut& plane, double density);
 
 struct PointProbe {
@@ -60,7 +65,8 @@ struct PointValue {
 /// around the point.
 PointValue measure(const FlowPart& part, const PointProbe& probe);
 
-/// Squares and largest value of the distance from an exact solution, over the cells and faces that hold fluid.
+/// Squares and largest value of the distance from an exact solution, over the cells and faces that hold fluid and that
+/// no body cuts.
 struct ErrorSums {
   double velocity_square = 0;                // integral of |u - u_exact|^2 [m^5/s^2]
   double pressure = 0, pressure_square = 0;  // integrals of p - p_exact and of its square

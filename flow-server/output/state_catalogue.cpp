@@ -46,19 +46,30 @@ std::string faces_name(const FieldRegion& region, int d) {
   return "grid/" + region.name + "/" + std::string(1, "xyz"[d]);
 }
 
+std::vector<std::int64_t> flat(const std::vector<std::array<int, 3>>& triangles) {
+  std::vector<std::int64_t> corners;
+  for (const auto& triangle : triangles) corners.insert(corners.end(), triangle.begin(), triangle.end());
+  return corners;
+}
+
 std::string shortest(double value) {
   char text[32];
   return {std::begin(text), std::to_chars(std::begin(text), std::end(text), value).ptr};
 }
 
-std::string data_item(int bytes, const std::string& dimensions, const std::string& place) {
-  return "<DataItem NumberType=\"Float\" Precision=\"" + std::to_string(bytes) + "\" Dimensions=\"" + dimensions +
-         "\" Format=\"HDF\">" + place + "</DataItem>";
+std::string triangle_name(const StoredSurface& surface) {
+  return "body/" + surface.name + "/triangle";
+}
+
+std::string data_item(int bytes, const std::string& dimensions, const std::string& place,
+                      const std::string& type = "Float") {
+  return "<DataItem NumberType=\"" + type + "\" Precision=\"" + std::to_string(bytes) + "\" Dimensions=\"" +
+         dimensions + "\" Format=\"HDF\">" + place + "</DataItem>";
 }
 
 /// XDMF 3, arrays slowest index first. Names of regions and fields hold nothing that means something to XML.
-std::string xdmf_start(const FieldRegion& region) {
-  return "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"" + region.name +
+std::string xdmf_start(const std::string& name) {
+  return "<?xml version=\"1.0\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n<Grid Name=\"" + name +
          "\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
 }
 
@@ -86,6 +97,24 @@ std::string xdmf_state(const FieldRegion& region, double time, const std::string
   return text + "</Grid>\n";
 }
 
+std::string xdmf_state(const StoredSurface& surface, double time, const std::string& state_file) {
+  const std::string n_triangles = std::to_string(surface.triangle.size());
+  std::string text =
+      "<Grid Name=\"" + surface.name + "\" GridType=\"Uniform\"><Time Value=\"" + shortest(time) + "\"/>\n";
+  text += "<Topology TopologyType=\"Triangle\" NumberOfElements=\"" + n_triangles + "\">" +
+          data_item(8, n_triangles + " 3", file_name + ":/" + triangle_name(surface), "Int") + "</Topology>\n";
+  for (const SurfaceField& field : fields_of(surface)) {
+    const bool is_vector = field.n_components == 3;
+    const std::string item = data_item(4, std::to_string(surface.n_corners) + (is_vector ? " 3" : ""),
+                                       state_file + ":/body/" + surface.name + "/" + field.name);
+    text += field.name == "position"
+                ? "<Geometry GeometryType=\"XYZ\">" + item + "</Geometry>\n"
+                : "<Attribute Name=\"" + field.name + "\" AttributeType=\"" + (is_vector ? "Vector" : "Scalar") +
+                      "\" Center=\"Node\">" + item + "</Attribute>\n";
+  }
+  return text + "</Grid>\n";
+}
+
 const std::string xdmf_end = "</Grid>\n</Domain>\n</Xdmf>\n";
 
 }  // namespace
@@ -95,8 +124,11 @@ std::string state_file_name(std::int64_t number) {
 }
 
 StateCatalogue::StateCatalogue(const std::filesystem::path& results_folder, const StretchedGrid& grid,
-                               std::vector<FieldRegion> regions, double time)
-    : folder_(results_folder), regions_(std::move(regions)), listed_(regions_.size()) {
+                               std::vector<FieldRegion> regions, std::vector<StoredSurface> surfaces, double time)
+    : folder_(results_folder),
+      regions_(std::move(regions)),
+      surfaces_(std::move(surfaces)),
+      listed_(regions_.size() + surfaces_.size()) {
   for (const FieldRegion& region : regions_)
     faces_.push_back({picture_faces(region, grid, 0), picture_faces(region, grid, 1), picture_faces(region, grid, 2)});
   remove_unfinished();
@@ -104,7 +136,7 @@ StateCatalogue::StateCatalogue(const std::filesystem::path& results_folder, cons
     keep_states_up_to(time);
   } else {
     std::error_code error;  // what stays is replaced in a moment
-    for (const FieldRegion& region : regions_) std::filesystem::remove(folder_ / (region.name + ".xmf"), error);
+    for (const std::string& name : names()) std::filesystem::remove(folder_ / (name + ".xmf"), error);
   }
   write();
   remove_states_not_kept();
@@ -119,14 +151,23 @@ StateCatalogue::~StateCatalogue() {
   }
 }
 
+/// Of the .xmf files.
+std::vector<std::string> StateCatalogue::names() const {
+  std::vector<std::string> names;
+  for (const FieldRegion& region : regions_) names.push_back(region.name);
+  for (const StoredSurface& surface : surfaces_) names.push_back("body." + surface.name);
+  return names;
+}
+
 void StateCatalogue::remove_unfinished() const {
+  const std::vector<std::string> known = names();
   std::vector<std::filesystem::path> left;
   std::error_code error;  // what stays is replaced when its turn comes
   for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
     const std::filesystem::path own_name = entry.path().stem();
     if (entry.path().filename() != store::unfinished(own_name)) continue;
     if (own_name == file_name || number_of(own_name.string()) ||
-        std::any_of(regions_.begin(), regions_.end(), [&](const auto& one) { return own_name == one.name + ".xmf"; }))
+        std::any_of(known.begin(), known.end(), [&](const std::string& name) { return own_name == name + ".xmf"; }))
       left.push_back(entry.path());
   }
   for (const auto& path : left) std::filesystem::remove(path, error);
@@ -147,8 +188,19 @@ void StateCatalogue::refuse_another_grid() const {
   }
 }
 
+void StateCatalogue::refuse_other_bodies() const {
+  const store::Hdf5File file = store::Hdf5File::open_for_reading(folder_ / file_name);
+  for (const StoredSurface& surface : surfaces_) {
+    if (file.contains(triangle_name(surface)) && file.read_integers(triangle_name(surface)) == flat(surface.triangle))
+      continue;
+    throw report::FileError(file.path().string(), "holds no body '" + surface.name + "', or one of other triangles",
+                            "resume into another run folder, or remove these results");
+  }
+}
+
 void StateCatalogue::keep_states_up_to(double time) {
   refuse_another_grid();
+  refuse_other_bodies();
   for (const std::int64_t number : stored_numbers(folder_)) {
     const store::Hdf5File file = store::Hdf5File::open_for_reading(folder_ / state_file_name(number));
     const double state_time = file.read("time")(0, 0);
@@ -169,6 +221,8 @@ void StateCatalogue::list(const State& state) {
   states_.push_back(state);
   for (std::size_t r = 0; r < regions_.size(); ++r)
     listed_[r] += xdmf_state(regions_[r], state.time, state_file_name(state.number));
+  for (std::size_t s = 0; s < surfaces_.size(); ++s)
+    listed_[regions_.size() + s] += xdmf_state(surfaces_[s], state.time, state_file_name(state.number));
 }
 
 void StateCatalogue::add(double time) {
@@ -181,11 +235,13 @@ void StateCatalogue::write() {
   store::Hdf5File file = store::Hdf5File::create(store::unfinished(path));
   for (std::size_t r = 0; r < regions_.size(); ++r)
     for (int d = 0; d < 3; ++d) file.write(faces_name(regions_[r], d), faces_[r][d]);
+  for (const StoredSurface& surface : surfaces_) file.write(triangle_name(surface), flat(surface.triangle), 3);
   for (const State& state : states_) file.link_to_file("state/" + digits(state.number), state_file_name(state.number));
   file.close();
   store::put_in_place(path);
-  for (std::size_t r = 0; r < regions_.size(); ++r)
-    store::write_file(folder_ / (regions_[r].name + ".xmf"), xdmf_start(regions_[r]) + listed_[r] + xdmf_end);
+  const std::vector<std::string> known = names();
+  for (std::size_t n = 0; n < known.size(); ++n)
+    store::write_file(folder_ / (known[n] + ".xmf"), xdmf_start(known[n]) + listed_[n] + xdmf_end);
   n_named_ = states_.size();
 }
 

@@ -1,36 +1,50 @@
 #pragma once
-// A surface over time, for ParaView.
+// What is stored of the surfaces of bodies, for ParaView.
 
+#include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "flow-server/immersed/body_surface.hpp"
-#include "proto/store/result_file.hpp"
+#include "flow-server/immersed/body_loads.hpp"
+#include "flow-server/output/flow_measurement.hpp"
+#include "flow-server/output/parallel_file.hpp"
 
 namespace couplet::flow {
 
-/// A field of the corners or of the triangles of a surface.
-struct SurfaceResult {
+/// What never changes of a stored surface: the first corners and triangles of the surface of a body.
+struct StoredSurface {
+  std::string name;  // of the body
+  bool has_two_sides = false;
+  std::int64_t n_corners = 0;
+  std::vector<std::array<int, 3>> triangle;
+};
+
+StoredSurface stored_surface(const BodySurface& shown);
+
+/// A field of the corners of a surface.
+struct SurfaceField {
   std::string name;
-  std::string unit;
-  surface::NodeArray values;  // (n_corners or n_triangles, 1 or 3)
-  bool is_of_triangles = false;
+  int n_components = 1;
 };
+/// position [m], velocity [m/s], force [N] of the fluid, pressure [Pa] in the fluid - of a sheet pressure_outer, on the
+/// side that the normals of the triangles point to, and pressure_inner - and viscous_traction [Pa].
+std::vector<SurfaceField> fields_of(const StoredSurface& surface);
 
-/// results/NAME.h5 and results/NAME.xmf: the triangles of a surface, moved by their displacement, with the velocity of
-/// their corners and further fields. One rank writes them: every rank knows the whole surface.
-class SurfaceResults {
- public:
-  /// The surface at rest; its name is that of the files. When they are there and time > 0, they are continued.
-  SurfaceResults(const std::filesystem::path& results_folder, const BodySurface& at_rest, double time);
+/// The fields of a surface at one time, in the order of fields_of(), each (n_corners * n_components).
+using SurfaceValues = std::vector<std::vector<double>>;
 
-  /// The same fields every time.
-  void append(double time, const BodySurface& surface, const std::vector<SurfaceResult>& results = {});
+/// Collective; the same on all ranks. `loads`: on all corners of the surfaces in the flow; `force`: of these on the
+/// corners that are stored [N]. Pressure and viscous traction of a
+/// corner are means over the walls in cut cells that it moves, with the weights with which it does: they do not depend
+/// on how large its triangles are. Corners between which and the fluid there is none - triangles far smaller than
+/// cells, those inside other bodies or beyond the grid - take the mean of the neighbours that have a value.
+std::vector<SurfaceValues> measure_surfaces(const FlowPart& part, std::span<const StoredSurface> surfaces,
+                                            std::span<const SurfaceLoad> loads,
+                                            std::span<const std::vector<Point>> force);
 
- private:
-  std::vector<Point> at_rest_;
-  store::ResultWriter writer_;
-};
+/// Into the file of a state, as body/NAME/FIELD, (n_corners) or (n_corners, 3), in single precision.
+void write_surface(ParallelFile& file, const StoredSurface& surface, const SurfaceValues& values, int rank);
 
 }  // namespace couplet::flow

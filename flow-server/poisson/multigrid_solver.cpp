@@ -157,7 +157,10 @@ SolveReport MultigridSolver::solve(const Field<double>& given_source, Field<doub
   const double enough = std::max(limits.relative * source_norm, limits.absolute);
   if (source_norm == 0 && norm > enough) {
     // Without a source the answer is known.
-    std::fill(phi.data(), phi.data() + phi.n_values(), 0.0);
+    // What is 0 already is not touched: cells without fluid take no memory.
+    std::for_each(phi.data(), phi.data() + phi.n_values(), [](double& value) {
+      if (value != 0) value = 0;
+    });
     std::fill(pieces_.phi.begin(), pieces_.phi.end(), 0.0);
     norm = norm_of_residual(&residual_);
   }

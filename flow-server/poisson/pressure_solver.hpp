@@ -22,6 +22,8 @@ using FaceFractions = std::array<Field<float>, 3>;
 struct PressureUnknown {
   Triple cell{0, 0, 0};  // local index, ghosts included; of the piece's cell where there is a piece
   int piece = -1;        // index into SplitCells::cell; -1: the cell itself
+
+  friend bool operator==(const PressureUnknown&, const PressureUnknown&) = default;
 };
 
 /// Cells that surfaces cut into several pieces have an unknown for each: one, best the largest, takes the cell's place
@@ -32,6 +34,8 @@ struct SplitCells {
   struct Link {
     PressureUnknown a, b;
     double conductance;  // area over distance [m]: flux = conductance (phi_b - phi_a); > 0
+
+    friend bool operator==(const Link&, const Link&) = default;
   };
   /// (n_pieces) the cell of each further piece, a local index: the cells of this rank and those of the first ghost
   /// layer, images across a periodic direction included. The pieces of one cell stand in the same order on all ranks,
@@ -42,6 +46,8 @@ struct SplitCells {
   /// rank: those across the border of the block are given by the ranks on both sides, those across a periodic direction
   /// from both ends.
   std::vector<Link> links;
+
+  friend bool operator==(const SplitCells&, const SplitCells&) = default;
 };
 
 /// div grad phi = source, discretised with the cell volumes, face areas and centre distances of the grid. On a closed

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flow-server/service/body_speed.hpp"
 #include "flow-server/service/make_navier_stokes.hpp"
 #include "proto/report/failure.hpp"
 
@@ -94,7 +95,8 @@ std::vector<NamedNumber> estimate_navier_stokes(const participant::OpenRequest& 
       std::find_if(bodies.begin(), bodies.end(), [](const v1::FlowBody& body) { return body.has_coupled(); });
   // Before the solid has told its surface.
   if (!request.peer_surface && coupled != bodies.end()) bodies.erase(coupled);
-  const NavierStokesSetup setup = make_navier_stokes(scene, request.scene_folder, request.peer_surface).setup;
+  const NavierStokesOptions options = make_navier_stokes(scene, request.scene_folder, request.peer_surface);
+  const NavierStokesSetup& setup = options.setup;
   const double n_cells = static_cast<double>(box_of(setup.grid.n_cells()).n_cells());
   const double n_active = std::round(share_of_fluid(setup) * n_cells);
   double narrowest = setup.grid.axis[0].smallest_width(), inverse_squares = 0;
@@ -107,7 +109,9 @@ std::vector<NamedNumber> estimate_navier_stokes(const participant::OpenRequest& 
       {"cells", n_cells, "1"}, {"cells_active", n_active, "1"}, {"smallest_cell", narrowest, "m"}};
   double step = request.scene.time().step();
   // A full cell a step is about what explicit schemes bear.
-  if (const double speed = known_speed(setup, request.scene.time().end()); speed > 0) {
+  const auto body = fastest_body(options.bodies, setup.grid, request.scene.time().end());
+  const double speed = std::max(known_speed(setup, request.scene.time().end()), body ? body->speed : 0);
+  if (speed > 0) {
     numbers.push_back({"convective_step_limit", narrowest / speed, "s"});
     step = std::min(step, narrowest / speed);
   }

@@ -32,6 +32,12 @@ std::vector<PlanePoint> points_of(const google::protobuf::RepeatedPtrField<v1::V
   return chain;
 }
 
+std::vector<Point> space_points_of(const google::protobuf::RepeatedPtrField<v1::Vector>& points) {
+  std::vector<Point> chain;
+  for (const v1::Vector& point : points) chain.push_back(point_of(point));
+  return chain;
+}
+
 double smallest_cell(const StretchedGrid& grid) {
   double width = std::numeric_limits<double>::infinity();
   for (int d = 0; d < grid.n_dimensions; ++d)
@@ -40,7 +46,8 @@ double smallest_cell(const StretchedGrid& grid) {
 }
 
 bool is_thin(const v1::FlowBody& body) {
-  return body.has_sheet() || body.has_rectangle() || (body.has_file() && body.file().kind() == v1::SurfaceFile::THIN) ||
+  return body.has_sheet() || body.has_rectangle() || body.has_ruled_sheet() ||
+         (body.has_file() && body.file().kind() == v1::SurfaceFile::THIN) ||
          (body.has_coupled() && body.coupled().kind() == v1::CoupledSurface::THIN);
 }
 
@@ -58,6 +65,31 @@ const surface::SurfaceMesh& slab_of_depth(const surface::SurfaceMesh& solid, con
       std::abs(low - z.start()) <= near ? "set flow.navier_stokes.grid.depth to " + report::text(high - low)
                                         : "let the solid begin at z = " + report::text(z.start()) +
                                               " and set flow.navier_stokes.grid.depth to " + report::text(high - low));
+}
+
+/// An end of a tube on a border of the grid, or beyond, is carried on along the axis until its lid lies beyond.
+Point carried_on(const Point& end, const Point& other, double radius, double cell, const StretchedGrid& grid) {
+  const Eigen::Vector3d at(end.data());
+  const Eigen::Vector3d axis = (at - Eigen::Vector3d(other.data())).normalized();
+  double length = std::numeric_limits<double>::infinity();
+  for (int d = 0; d < 3; ++d) {
+    const StretchedAxis& along = grid.axis[static_cast<std::size_t>(d)];
+    const double inside = axis[d] < 0 ? at[d] - along.start() : along.end() - at[d];  // of the border
+    if (axis[d] == 0 || along.is_periodic() || inside > 1e-6 * along.length()) continue;
+    // The lid reaches back by radius * sin of the angle between axis and border's normal.
+    const double lid = radius * std::sqrt(std::max(0.0, 1 - axis[d] * axis[d]));
+    length = std::min(length, std::max(0.0, inside + lid + 2 * cell) / std::abs(axis[d]));
+  }
+  if (std::isinf(length)) return end;
+  const Eigen::Vector3d beyond = at + length * axis;
+  return {beyond[0], beyond[1], beyond[2]};
+}
+
+surface::SurfaceMesh make_carried_tube(const v1::Tube& tube, const StretchedGrid& grid, double side) {
+  const Point start = point_of(tube.start()), end = point_of(tube.end());
+  const double radius = tube.radius(), cell = grid.axis[0].largest_width();
+  return make_tube(carried_on(start, end, radius, cell, grid), carried_on(end, start, radius, cell, grid), radius,
+                   side);
 }
 
 /// Where the body lies before its placement. Triangles of shapes are as small as they must be from the start.
@@ -97,7 +129,12 @@ surface::SurfaceMesh make_shape(const v1::FlowBody& body, const StretchedGrid& g
       return make_rectangle(point_of(body.rectangle().corner()), point_of(body.rectangle().first_side()),
                             point_of(body.rectangle().second_side()), side);
     case v1::FlowBody::kTube:
-      return make_tube(point_of(body.tube().start()), point_of(body.tube().end()), body.tube().radius(), side);
+      return make_carried_tube(body.tube(), grid, side);
+    case v1::FlowBody::kRevolved:
+      return make_revolved_body(points_of(body.revolved().point()), side);
+    case v1::FlowBody::kRuledSheet:
+      return make_ruled_sheet(space_points_of(body.ruled_sheet().first_edge()),
+                              space_points_of(body.ruled_sheet().second_edge()), side);
     case v1::FlowBody::SHAPE_NOT_SET:
       break;
   }
@@ -198,12 +235,13 @@ BodySetup make_body(const v1::NavierStokes& model, const v1::FlowBody& body, con
   place(body.placement(), setup.mesh);
   setup.is_closed = !thin;
   setup.closes_covered_holes = body.has_coupled() && !thin;
-  const bool is_vessel = body.has_tube() || body.file().kind() == v1::SurfaceFile::VESSEL;
+  const bool is_vessel =
+      body.has_tube() || body.cylinder().fluid_inside() || body.file().kind() == v1::SurfaceFile::VESSEL;
   setup.fluid = is_vessel ? FluidSide::inside : FluidSide::outside;
   // Flat faces bound a body as well as small ones do.
   setup.largest_side = body.has_file() && !thin && !body.has_largest_triangle() ? 0 : side;
   setup.motion = PrescribedMotion(make_joints(model, body, time_step));
-  setup.blend_width = body.has_blend_width() ? body.blend_width() : thin ? 1 : 0.25;
+  if (body.has_blend_width()) setup.blend_width = body.blend_width();
   setup.edge = {body.edge().ramp_length(), body.edge().ramp_shift()};
   setup.edge_conductance = body.edge().conductance();
   for (const v1::Box& box : body.edge().attached()) setup.attached.push_back(make_attached(box));

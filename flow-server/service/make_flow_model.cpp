@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "flow-server/one_dimensional/glottis_model.hpp"
+#include "flow-server/service/body_speed.hpp"
 #include "flow-server/service/find_material_point.hpp"
 #include "flow-server/service/make_navier_stokes.hpp"
 #include "proto/report/failure.hpp"
@@ -134,10 +135,14 @@ void refuse_more_ranks_than_one(MPI_Comm ranks) {
 std::unique_ptr<FlowModel> make_navier_stokes_model(const v1::Scene& scene, const std::filesystem::path& scene_folder,
                                                     const std::optional<surface::SurfaceMesh>& surface,
                                                     MPI_Comm ranks) {
-  auto model = std::make_unique<NavierStokesModel>(make_navier_stokes(scene, scene_folder, surface), ranks);
+  NavierStokesOptions options = make_navier_stokes(scene, scene_folder, surface);
+  const auto on_speed = note_on_speed(options.bodies, options.setup.grid, scene.time().step(), scene.time().end());
+  auto model = std::make_unique<NavierStokesModel>(std::move(options), ranks);
+  std::vector<std::string> notes = model->notes();
+  if (on_speed) notes.push_back(*on_speed);
   int rank = 0;
   MPI_Comm_rank(ranks, &rank);
-  for (const std::string& note : model->notes())
+  for (const std::string& note : notes)
     if (rank == 0) std::fprintf(stderr, "flow-server: %s\n", note.c_str());
   return model;
 }

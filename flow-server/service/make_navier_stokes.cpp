@@ -309,6 +309,20 @@ FlowObservation make_observation(const v1::NavierStokes& model, const NavierStok
   }
   for (const v1::FlowProbe& probe : model.probe())
     observed.probes.push_back({probe.name(), {probe.at().x(), probe.at().y(), probe.at().z()}});
+  for (const v1::MomentumBalance& balance : model.momentum_balance()) {
+    const Corners corners = make_corners(balance.box());
+    observed.balances.push_back({balance.name(), corners.from, corners.to});
+    cells_of(setup.grid, observed.balances.back());  // throws at once
+  }
+  for (int b = 0; b < model.body_size(); ++b) {
+    const v1::MomentPoint& point = model.body(b).moment_about();
+    if (model.body(b).has_moment_about())
+      observed.moments.push_back(
+          {static_cast<std::size_t>(b), {point.at().x(), point.at().y(), point.at().z()}, point.carried()});
+  }
+  // Pictures must know where no fluid is.
+  if (model.body_size() > 0 || model.has_fluid_where())
+    for (FieldRegion& region : observed.regions) region.quantities.push_back(FieldQuantity::fluid_share);
   observed.has_integrals = model.integral_quantities();
   if (model.has_compare_with()) observed.exact = make_exact(model.compare_with(), setup, model_path + ".compare_with");
   return observed;

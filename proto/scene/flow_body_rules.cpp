@@ -27,25 +27,19 @@ bool is_zero(const v1::Vector& v) {
 }
 
 bool is_thin(const v1::FlowBody& body) {
-  return body.has_sheet() || body.has_rectangle() || (body.has_file() && body.file().kind() == v1::SurfaceFile::THIN) ||
+  return body.has_sheet() || body.has_rectangle() || body.has_ruled_sheet() ||
+         (body.has_file() && body.file().kind() == v1::SurfaceFile::THIN) ||
          (body.has_coupled() && body.coupled().kind() == v1::CoupledSurface::THIN);
 }
 
-/// A body's name is that of its file of results, and others name it.
+/// A body's name is that of its results, and others name it.
 void names_differ(const v1::NavierStokes& model, Review& review) {
-  std::set<std::string> bodies, fields;
-  for (const v1::FieldOutput& field : model.field()) fields.insert(field.name());
-  if (model.field_size() == 0) fields.insert(v1::FieldOutput::default_instance().name());
+  std::set<std::string> bodies;
   for (int i = 0; i < model.body_size(); ++i) {
     const std::string& name = model.body(i).name();
     if (name.empty()) continue;
     if (!bodies.insert(name).second)
       review.complain(entry(i) + ".name", "\"" + name + "\" is the name of another body; give each its own name");
-    if (fields.count(name) > 0) {
-      review.complain(entry(i) + ".name", "\"" + name +
-                                              "\" is the name of a stored field too, and both are written to results/" +
-                                              name + ".xmf; give another name");
-    }
   }
 }
 
@@ -77,11 +71,13 @@ void bodies_hang_on_others(const v1::NavierStokes& model, Review& review) {
 }
 
 void shape_fits_the_dimensions(const v1::FlowBody& body, const std::string& path, Review& review) {
-  const char* shape = body.has_ellipsoid()   ? "ellipsoid"
-                      : body.has_cuboid()    ? "cuboid"
-                      : body.has_rectangle() ? "rectangle"
-                      : body.has_tube()      ? "tube"
-                                             : nullptr;
+  const char* shape = body.has_ellipsoid()     ? "ellipsoid"
+                      : body.has_cuboid()      ? "cuboid"
+                      : body.has_rectangle()   ? "rectangle"
+                      : body.has_tube()        ? "tube"
+                      : body.has_revolved()    ? "revolved"
+                      : body.has_ruled_sheet() ? "ruled_sheet"
+                                               : nullptr;
   if (shape != nullptr) {
     review.complain(
         path + "." + shape,
@@ -167,9 +163,48 @@ void outline_has_sides(const Points& point, bool is_closed, const std::string& p
   }
 }
 
+/// A body of revolution is closed by points on its axis, and by these alone.
+void revolved_body_is_closed(const Points& point, const std::string& path, Review& review) {
+  outline_has_sides(point, false, path, review);
+  for (int i = 0; i < point.size(); ++i) {
+    const bool is_end = i == 0 || i + 1 == point.size();
+    const std::string where = path + ".point[" + std::to_string(i) + "].y";
+    if (is_end && point[i].y() != 0)
+      review.complain(where, "is " + number_text(point[i].y()) + " m, but the body ends here; give 0, the axis");
+    if (!is_end && point[i].y() <= 0)
+      review.complain(where, "is " + number_text(point[i].y()) + " m; give a distance from the axis above 0");
+  }
+}
+
+void ruled_sheet_has_area(const v1::RuledSheet& sheet, const std::string& path, Review& review) {
+  const Points &first = sheet.first_edge(), &second = sheet.second_edge();
+  if (first.size() != second.size()) {
+    review.complain(path + ".second_edge", "has " + std::to_string(second.size()) + " points, first_edge " +
+                                               std::to_string(first.size()) + "; give both as many");
+    return;
+  }
+  const auto same = [](const v1::Vector& a, const v1::Vector& b) { return numbers(a) == numbers(b); };
+  for (int i = 0; i < first.size(); ++i) {
+    if (i == 0) continue;
+    const std::string at = "[" + std::to_string(i) + "]";
+    for (const auto& [points, edge] : {std::pair{&first, ".first_edge"}, {&second, ".second_edge"}}) {
+      if (same((*points)[i], (*points)[i - 1]))
+        review.complain(path + edge + at, "lies where the point before lies; delete this pair of points");
+    }
+    if (same(first[i], second[i]) && same(first[i - 1], second[i - 1]))
+      review.complain(path + ".second_edge" + at,
+                      "and the point before lie on the first edge, so that nothing is between; move one of them");
+    if (i + 1 < first.size() && same(first[i], second[i]))
+      review.complain(path + ".second_edge" + at,
+                      "lies on the first edge, which parts the sheet in two; only ends may meet, or give two bodies");
+  }
+}
+
 void shape_makes_sense(const v1::FlowBody& body, const std::string& path, Review& review) {
   outline_has_sides(body.polygon().point(), true, path + ".polygon", review);
   outline_has_sides(body.sheet().point(), false, path + ".sheet", review);
+  if (body.has_revolved()) revolved_body_is_closed(body.revolved().point(), path + ".revolved", review);
+  if (body.has_ruled_sheet()) ruled_sheet_has_area(body.ruled_sheet(), path + ".ruled_sheet", review);
   if (body.cuboid().has_low() && body.cuboid().has_high()) {
     const auto low = numbers(body.cuboid().low()), high = numbers(body.cuboid().high());
     for (std::size_t d = 0; d < 3; ++d) {
@@ -268,6 +303,9 @@ void solid_is_one_body(const v1::Scene& scene, Review& review) {
       review.complain(entry(i) + ".joint[0]",
                       "the solid moves its surface; delete it, or give solid.prescribed_motion");
     if (body.has_moves_with()) review.complain(entry(i) + ".moves_with", "the solid moves its surface; delete it");
+    if (body.moment_about().carried())
+      review.complain(entry(i) + ".moment_about.carried",
+                      "the solid has no joints that could carry the point; delete it");
   }
   if (scene.has_solid() && n_coupled == 0)
     review.complain_missing(model_path + ".body",

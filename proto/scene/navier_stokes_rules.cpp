@@ -285,15 +285,18 @@ void start_makes_sense(const v1::NavierStokes& model, const Space& space, const 
   }
 }
 
-/// Planes and points become columns of one table.
+/// Planes, points and balances become columns of one table.
 void columns_differ(const v1::NavierStokes& model, Review& review) {
   std::set<std::string> names;
   const auto check = [&](const std::string& name, const std::string& path) {
     if (name.empty() || names.insert(name).second) return;
-    review.complain(path + ".name", "\"" + name + "\" is the name of another plane or probe; give each its own name");
+    review.complain(path + ".name",
+                    "\"" + name + "\" is the name of another plane, probe or balance; give each its own name");
   };
   for (int i = 0; i < model.plane_size(); ++i) check(model.plane(i).name(), entry("plane", i));
   for (int i = 0; i < model.probe_size(); ++i) check(model.probe(i).name(), entry("probe", i));
+  for (int i = 0; i < model.momentum_balance_size(); ++i)
+    check(model.momentum_balance(i).name(), entry("momentum_balance", i));
 }
 
 void place_is_on_the_axis(double position, int direction, const std::string& path, const Space& space, Review& review) {
@@ -303,7 +306,7 @@ void place_is_on_the_axis(double position, int direction, const std::string& pat
                             number_text(extent.start) + " to " + number_text(extent.end) + " m; give a place inside");
 }
 
-void planes_and_probes_are_inside(const v1::NavierStokes& model, const Space& space, Review& review) {
+void places_are_inside(const v1::NavierStokes& model, const Space& space, Review& review) {
   for (int i = 0; i < model.plane_size(); ++i) {
     const v1::Plane& plane = model.plane(i);
     if (!plane.has_normal()) continue;
@@ -325,6 +328,8 @@ void planes_and_probes_are_inside(const v1::NavierStokes& model, const Space& sp
                            entry("probe", i) + ".at." + std::string(1, "xyz"[d]), space, review);
     }
   }
+  for (int i = 0; i < model.momentum_balance_size(); ++i)
+    box_meets_the_grid(model.momentum_balance(i).box(), entry("momentum_balance", i) + ".box", -1, space, review);
 }
 
 void stored_fields_make_sense(const v1::Scene& scene, const Space& space, Review& review) {
@@ -370,7 +375,7 @@ void check_navier_stokes_rules(const v1::Scene& scene, Review& review) {
   steps_make_sense(model, scene.time().step(), review);
   blocks_have_cells(model, space, review);
   columns_differ(model, review);
-  planes_and_probes_are_inside(model, space, review);
+  places_are_inside(model, space, review);
   stored_fields_make_sense(scene, space, review);
 }
 

@@ -11,6 +11,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,17 +23,21 @@
 #include "flow-server/navier_stokes/predictor.hpp"
 #include "flow-server/navier_stokes/projection.hpp"
 #include "proto/report/failure.hpp"
+#include "tests/benchmarks/step_clock.hpp"
 
 namespace {
 
 using namespace couplet::flow;
+using couplet::benchmark::StepClock;
 using couplet::surface::NodeArray;
 
 struct Options {
   double size = 1;  // of everything, in cells: 1 is a box of 400 x 130 x 130
   int steps = 10;
   double tolerance = 1e-3;
+  std::vector<int> blocks;       // along x, y, z; none: as the flow chooses
   std::string wall = "surface";  // or cells: a staircase
+  bool counts_processor = false;
 };
 
 // Lengths in cells (which are 1 m wide), speeds in cells a second.
@@ -63,7 +68,7 @@ BodySurface tube_surface(const Valve& valve) {
   const int n_around = static_cast<int>(std::lround(2 * std::numbers::pi * valve.radius));
   const int n_along = valve.n_cells[0] + 8;
   BodySurface tube;
-  tube.name = "tube", tube.is_closed = true, tube.is_lumen = true;
+  tube.name = "tube", tube.is_closed = true, tube.is_lumen = true, tube.is_fixed = true;
   for (int l = 0; l <= n_along; ++l)
     for (int a = 0; a < n_around; ++a) {
       const double angle = 2 * std::numbers::pi * a / n_around;
@@ -150,30 +155,20 @@ struct Seconds {
   double rest() const { return step - surfaces - geometry() - solver_update - pressure_solve - predictor - forcing; }
 };
 
-/// Adds what a piece of work takes until all ranks are through with it.
-template <class Work>
-void take_time(double& seconds, const Work& work) {
-  MPI_Barrier(MPI_COMM_WORLD);
-  const double started = MPI_Wtime();
-  work();
-  MPI_Barrier(MPI_COMM_WORLD);
-  seconds += MPI_Wtime() - started;
-}
-
 /// The geometry of one position part by part, as BodyGeometry has it.
 struct GeometryParts {
   GeometryParts(const FlowBlock& block, const BodyFlowSettings& settings)
-      : crossings(*block.grid, block.decomposition->mine(), 4),
+      : crossings(*block.grid, block.decomposition->mine(), 5),
         cut(*block.grid, crossings),
-        pieces(block, cut, settings.edge),
+        pieces(block, cut),
         layer(block, cut, settings.wall) {}
 
-  void place(std::vector<BodySurface> moved, const FlowBlock& block, Seconds& seconds) {
+  void place(std::vector<BodySurface> moved, const FlowBlock& block, const StepClock& clock, Seconds& seconds) {
     surfaces = std::move(moved);
-    take_time(seconds.crossings, [&] { crossings.update(surfaces); });
-    take_time(seconds.cut_cells, [&] { cut.update(surfaces); });
-    take_time(seconds.pieces, [&] { pieces.update(); });
-    take_time(seconds.trees, [&] {
+    seconds.crossings += clock.seconds([&] { crossings.update(surfaces); });
+    seconds.cut_cells += clock.seconds([&] { cut.update(surfaces); });
+    seconds.pieces += clock.seconds([&] { pieces.update(surfaces); });
+    seconds.trees += clock.seconds([&] {
       for (std::size_t s = 0; s < surfaces.size(); ++s) {
         const std::array<SurfaceInTree, 1> in_tree{
             SurfaceInTree{&surfaces[s], {}, static_cast<int>(surfaces[s].triangle.size())}};
@@ -184,8 +179,8 @@ struct GeometryParts {
         }
       }
     });
-    take_time(seconds.layer, [&] { layer.update(surfaces, trees); });
-    take_time(seconds.whole, [&] { n_whole_cells = cut.whole(block.cells).n_cells(); });
+    seconds.layer += clock.seconds([&] { layer.update(surfaces, trees); });
+    seconds.whole += clock.seconds([&] { n_whole_cells = cut.whole(block.cells).n_cells(); });
   }
 
   std::vector<BodySurface> surfaces;
@@ -202,8 +197,9 @@ class StepParts {
  public:
   StepParts(const NavierStokesSetup& setup, const BlockDecomposition& blocks)
       : setup_(setup),
-        border_(setup.grid, blocks, setup.border, setup.is_fluid, setup.balances_inflow),
-        block_(make_flow_block(setup, blocks, border_)),
+        solid_(find_fixed_solid(setup, blocks)),
+        border_(setup.grid, blocks, setup.border, fluid_of(setup, solid_), setup.balances_inflow),
+        block_(make_flow_block(setup, blocks, border_, solid_)),
         ghosts_(block_, border_),
         bodies_(block_, setup.body_settings),
         predictor_(setup, block_, border_, ghosts_, &bodies_),
@@ -216,39 +212,38 @@ class StepParts {
     for (auto& geometry : geometry_) geometry = std::make_unique<GeometryParts>(block_, setup.body_settings);
   }
 
-  void repeat(const FlowState& from, double dt, Seconds& seconds) {
-    take_time(seconds.predictor, [&] { predictor_.predict(from, dt, setup_.scheme, to_); });
+  void repeat(const FlowState& from, double dt, const StepClock& clock, Seconds& seconds) {
     std::vector<BodySurface> moved;
-    take_time(seconds.surfaces, [&] { moved = setup_.bodies(from.time + dt); });
+    seconds.surfaces += clock.seconds([&] { moved = setup_.bodies(from.time + dt); });
     std::swap(geometry_[0], geometry_[1]);  // a step finds the geometry of two steps before
-    geometry_[0]->place(moved, block_, seconds);
+    geometry_[0]->place(moved, block_, clock, seconds);
     if (to_.bodies) {
       to_.bodies->place(std::move(moved));
     } else {
       to_.bodies = bodies_.make_geometry(std::move(moved));
     }
     BodyGeometry& now = *to_.bodies;
-    take_time(seconds.solver_update, [&] {
+    seconds.predictor += clock.seconds([&] { predictor_.predict(from, dt, setup_.scheme, to_); });
+    seconds.solver_update += clock.seconds([&] {
       std::vector<Box> changed;
-      bodies_.write_problem(now, problem_, changed);
-      solver_->update(changed);
+      if (bodies_.write_problem(now, problem_, changed)) solver_->update(changed);
     });
     const double step_over_density = dt / setup_.density;
-    take_time(seconds.forcing, [&] {
-      bodies_.forcing().force(*from.bodies, now, step_over_density, from.pressure, ghosts_.exchange(), to_.velocity);
+    seconds.forcing += clock.seconds([&] {
+      bodies_.forcing().force(*from.bodies, now, from.pressure, ghosts_.exchange(), to_.velocity);
       bodies_.carry_pressure(*from.bodies, from.pressure, now, to_.pressure);
       bodies_.forcing().take_slopes_of(now, step_over_density, to_.pressure, to_.velocity);
     });
     ghosts_.while_filling(to_.velocity, false, [&](const Box& box) {
       take_divergence(block_, box, 1 / step_over_density, to_.velocity, source_);
     });
-    take_time(seconds.forcing, [&] {
+    seconds.forcing += clock.seconds([&] {
       bodies_.take_divergence(now, 1 / step_over_density, to_.velocity, bodies_.forcing().piece_velocity(), source_,
                               piece_source_);
     });
     piece_phi_.assign(piece_source_.size(), 0.0);
     std::fill(phi_.data(), phi_.data() + phi_.n_values(), 0.0);
-    take_time(seconds.pressure_solve, [&] {
+    seconds.pressure_solve += clock.seconds([&] {
       solver_->solve(source_, phi_, {setup_.pressure.relative_tolerance, 0, setup_.pressure.largest_iterations},
                      piece_source_, piece_phi_);
     });
@@ -265,6 +260,7 @@ class StepParts {
 
  private:
   const NavierStokesSetup& setup_;
+  FixedSolid solid_;
   FlowBorder border_;
   FlowBlock block_;
   FlowGhosts ghosts_;
@@ -299,13 +295,12 @@ int measure(const Options& options) {
   setup.border[0][0] = {opening(speed * speed)};
   setup.border[0][1] = {opening(0)};
   const bool has_surface = options.wall == "surface";
-  // What lies beyond the tube and the cells that its wall may touch takes no time.
-  setup.is_fluid = [valve, beyond = has_surface ? 3.0 : 0.0](const Point& at) {
-    return std::hypot(at[1] - valve.centre, at[2] - valve.centre) < valve.radius + beyond;
+  const auto is_inside = [valve](const Point& at) {
+    return std::hypot(at[1] - valve.centre, at[2] - valve.centre) < valve.radius;
   };
-  setup.initial_velocity[0] = SpaceTimeValue::Function([valve](const Point& at, double) {
-    return std::hypot(at[1] - valve.centre, at[2] - valve.centre) < valve.radius ? mean_speed : 0.0;
-  });
+  if (!has_surface) setup.is_fluid = is_inside;
+  setup.initial_velocity[0] =
+      SpaceTimeValue::Function([is_inside](const Point& at, double) { return is_inside(at) ? mean_speed : 0.0; });
   std::vector<std::shared_ptr<Leaflet>> leaflets;
   for (int n = 0; n < 3; ++n) leaflets.push_back(std::make_shared<Leaflet>(valve, n, setup.grid));
   setup.bodies = [leaflets, tube = has_surface ? tube_surface(valve) : BodySurface{}, has_surface](double time) {
@@ -314,19 +309,22 @@ int measure(const Options& options) {
     for (const auto& leaflet : leaflets) surfaces.push_back(leaflet->at(time));
     return surfaces;
   };
-  const BlockDecomposition blocks = decompose(setup.grid, std::nullopt, MPI_COMM_WORLD);
+  std::optional<Triple> shape;
+  if (!options.blocks.empty()) shape = {options.blocks[0], options.blocks[1], options.blocks[2]};
+  const BlockDecomposition blocks = decompose(setup.grid, shape, MPI_COMM_WORLD);
 
   FractionalStep step(setup, blocks);
   StepParts parts(setup, blocks);
   FlowState state = step.initial_state(), next;
+  const StepClock clock(options.counts_processor);
   Seconds seconds;
   int iterations = 0;
   const int warm_up = 3;  // first steps: start of Adams-Bashforth, first touch of memory
   for (int n = 0; n < warm_up + options.steps; ++n) {
     Seconds one;
     AdvanceReport report;
-    take_time(one.step, [&] { report = step.advance(state, step_size, next); });
-    if (n > 0) parts.repeat(state, step_size, one);
+    one.step += clock.seconds([&] { report = step.advance(state, step_size, next); });
+    if (n > 0) parts.repeat(state, step_size, clock, one);
     std::swap(state, next);
     if (report.n_steps != 1)
       throw couplet::report::NumericsError("step " + std::to_string(n), "was cut in " + std::to_string(report.n_steps),
@@ -348,6 +346,7 @@ int measure(const Options& options) {
   row["ranks"] = n_ranks;
   row["cells_active"] = cells;
   row["cells_cut"] = cut;
+  row["bytes_per_cell"] = summed(static_cast<double>(step.n_bytes())) / cells;
   row["ns_per_cell_step_iteration"] = 1e9 * seconds.step / cells;
   row["geometry_share"] = seconds.geometry() / seconds.step;
   row["geometry_over_pressure_solve"] = seconds.geometry() / seconds.pressure_solve;
@@ -375,8 +374,10 @@ int run(int argc, char** argv) {
   app.add_option("--size", options.size, "1: a box of 400 x 130 x 130 cells")->check(CLI::Range(0.2, 4.0));
   app.add_option("--steps", options.steps, "steps that are timed")->check(CLI::PositiveNumber);
   app.add_option("--tolerance", options.tolerance, "of the pressure increment, relative");
+  app.add_option("--blocks", options.blocks, "of the grid along x, y and z, one a rank")->expected(3);
   app.add_option("--wall", options.wall, "of the tube: a surface that cuts cells, or whole cells")
       ->check(CLI::IsMember({"surface", "cells"}));
+  app.add_flag("--processor-time", options.counts_processor, "of the busiest rank, in place of wall time");
   CLI11_PARSE(app, argc, argv);
   return measure(options);
 }

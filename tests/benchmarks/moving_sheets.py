@@ -31,6 +31,7 @@ def main():
     parser.add_argument("--walls", nargs="+", default=["surface", "cells"], choices=["surface", "cells"],
                         help="of the tube: a fixed surface that cuts cells, or whole cells")
     parser.add_argument("--steps", type=int, default=10, help="steps that are timed")
+    parser.add_argument("--processor-time", action="store_true", help="of the busiest rank, in place of wall time")
     parser.add_argument("--tolerance", type=float, default=1e-3, help="of the pressure increment, relative")
     options = parser.parse_args()
     if options.about:
@@ -40,8 +41,10 @@ def main():
     for size in options.size:
         for wall in options.walls:
             for ranks in options.ranks:
+                # Blocks side by side across the tube share the sheets, which all stand in one half along it.
                 row = measure(ranks, ["--size", str(size), "--wall", wall, "--steps", str(options.steps),
-                                      "--tolerance", str(options.tolerance)])
+                                      "--tolerance", str(options.tolerance), "--blocks", "1", "1", str(ranks)]
+                              + ["--processor-time"] * options.processor_time)
                 rows.append(row)
                 box = " x ".join(str(n) for n in row["box"])
                 print(f"{box}, wall: {wall}, {ranks} rank{'s' if ranks > 1 else ''}: {row['cells_active']:.0f} active cells, "

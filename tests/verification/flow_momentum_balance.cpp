@@ -52,11 +52,15 @@ NavierStokesSetup channel(int n_per_length, const std::function<BodySurface(doub
 }
 
 TEST(FlowMomentumBalance, AgreesWithTheForceAtTheSurfaceInASteadyFlow) {
-  double difference[2];
-  for (const int level : {0, 1}) {
-    const int n = level == 0 ? 15 : 30;
-    const NavierStokesSetup setup = channel(n, [n](double) {
-      return cylinder_surface({1.51, 1.03, 0}, 0.3, 240, 1.0 / n);
+  // Errors of pressure and friction are of either sign, so that no order shows in their sum. With 9 cells a diameter it
+  // is below 1 % wherever the cylinder stands among the cells (measured: -0.9 to 0.3 %), with 18 below 0.5 %.
+  struct Place {
+    int n;
+    double shift, largest;  // shift along both axes in cells
+  };
+  for (const Place& place : {Place{15, 0, 0.01}, Place{15, 0.25, 0.01}, Place{15, 0.5, 0.01}, Place{30, 0, 0.005}}) {
+    const NavierStokesSetup setup = channel(place.n, [&](double) {
+      return cylinder_surface({1.51 + place.shift / place.n, 1.03 + place.shift / place.n, 0}, 0.3, 240, 1.0 / place.n);
     });
     const BlockDecomposition blocks = decompose(setup.grid);
     FractionalStep flow(setup, blocks);
@@ -70,14 +74,12 @@ TEST(FlowMomentumBalance, AgreesWithTheForceAtTheSurfaceInASteadyFlow) {
         force_on_bodies(measured(setup, blocks, flow, next, wider), measured(setup, blocks, flow, state, wider));
     const SurfaceLoad load = flow.body_loads(state)[0];
     const double surface = load.pressure_force[0] + load.viscous_force[0];
-    difference[level] = std::abs(surface / balance[0] - 1);
+    RecordProperty(std::to_string(place.n) + "_" + std::to_string(place.shift),
+                   std::to_string(surface / balance[0] - 1));
+    EXPECT_NEAR(surface, balance[0], place.largest * balance[0]) << place.n << " " << place.shift;
     // Walls of the channel are faces of the wider box; between both boxes nothing but the scheme itself.
     EXPECT_NEAR(whole[0], balance[0], 1e-3 * balance[0]);
   }
-  // Measured with 9 and 18 cells a diameter; errors of pressure and friction are of either sign, so that no order
-  // shows in their sum. Below 1 % from the coarser grid on.
-  EXPECT_LT(difference[0], 0.01);
-  EXPECT_LT(difference[1], 0.005);
 }
 
 TEST(FlowMomentumBalance, AgreesWithTheForceOnAMovingBody) {

@@ -1,8 +1,11 @@
 #pragma once
 // A flow that is given by formulas, on the blocks of the ranks that run the test.
 
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 
 #include "flow-server/navier_stokes/navier_stokes_model.hpp"
 
@@ -75,17 +78,14 @@ inline double sum_of_ranks(double value) {
   return value;
 }
 
-/// A folder that all ranks of the test share, empty at first.
+/// A folder that all ranks of the test share, and no other test that runs beside it; empty at first.
 class SharedFolder {
  public:
-  explicit SharedFolder(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() /
-              ("couplet-" + name + "-" + std::to_string(ranks_of_test()) + "-ranks")) {
-    if (rank_of_test() == 0) {
-      std::filesystem::remove_all(path_);
-      std::filesystem::create_directories(path_);
-    }
-    MPI_Barrier(MPI_COMM_WORLD);
+  explicit SharedFolder(const std::string& name) {
+    std::string path = std::filesystem::temp_directory_path() / ("couplet-" + name + "-XXXXXX");
+    if (rank_of_test() == 0 && mkdtemp(path.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    MPI_Bcast(path.data(), static_cast<int>(path.size()), MPI_CHAR, 0, MPI_COMM_WORLD);
+    path_ = path;
   }
   ~SharedFolder() {
     MPI_Barrier(MPI_COMM_WORLD);

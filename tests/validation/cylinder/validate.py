@@ -42,13 +42,17 @@ def rows_of(options, reynolds, per_diameter, sides, place, reference):
     time, drag, lift = history["time"], 2 * history["body.cylinder.force_x"], 2 * history["body.cylinder.force_y"]
     varied = {"mesh": f"D/h = {per_diameter:g}, sides at {sides} D", "dt": forces.mean_step(history)}
     late = time >= time[-1] - 40
+    # The force by a second, independent way: from the momentum of the fluid in a box around the body. Means, as it is one over a step.
+    last = late if reynolds == 100 else time >= time[-1] - 5
+    at_surface, by_momentum = drag[last].mean(), 2 * history["around.force_balance_x"][last].mean()
+    agreed = (0.97 * at_surface, 1.03 * at_surface) if per_diameter >= 25 else None
+    yield runs.row(name, "drag_by_momentum", by_momentum, at_surface, "force at the surface of the same run", folder, agreed, **varied)
     if reynolds == 100:
         found = forces.shedding(time[late], drag[late], lift[late])
     else:
         velocity = numpy.array([history[f"p{i}.velocity_x"][-1] for i in range(len(WAKE))])
         end = numpy.interp(0, velocity, WAKE) if velocity[0] < 0 < velocity[-1] else numpy.nan
         found = {"drag_coefficient": drag[-1], "wake_length": end - 0.5}
-        last = time >= time[-1] - 5
         yield runs.row(name, "change_of_drag", numpy.ptp(drag[last]), None, "in the last 5 of time; 0 when the flow is steady", folder, **varied)
     for quantity, value in found.items():
         published = {paper: number for (of, what, paper), number in reference.items() if (of, what) == (reynolds, quantity)}

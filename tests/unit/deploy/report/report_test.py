@@ -14,12 +14,13 @@ TOP = Path(__file__).resolve().parents[4]
 sys.path[:0] = [str(TOP / "deploy" / "report"), str(Path(__file__).resolve().parent)]
 
 from comparison import comparison_page  # noqa: E402
-from flow_sections import vorticity_in_plane  # noqa: E402
+from body_sections import columns_shown, cut_by_plane  # noqa: E402
+from flow_sections import vorticity_in_plane, without_bodies  # noqa: E402
 from oscillation import main_frequency, thin  # noqa: E402
 from report import report_page  # noqa: E402
 from run_folder import RunFolder  # noqa: E402
 from scene_text import find, parse_scene_text  # noqa: E402
-from synthetic_run import FREQUENCY, write_flow_run, write_history, write_run  # noqa: E402
+from synthetic_run import FREQUENCY, add_body, box_surface, write_flow_run, write_history, write_run  # noqa: E402
 from vocal_fold_sections import cycle_length, middle_outline  # noqa: E402
 
 
@@ -153,6 +154,38 @@ class FlowPageTest(FolderTest):
         page = report_page(RunFolder(run))
         self.assertNotIn("<h2>The flow</h2>", page)
         self.assertIn("<h2>Energy</h2>", page)
+
+    def test_shows_forces_on_bodies_beside_the_balance_of_momentum(self):
+        run = RunFolder(add_body(write_flow_run(self.folder / "run", n_cells=(32, 32, 1))))
+        page = report_page(run)
+        self.assertIn("<h2>Forces on bodies</h2>", page)
+        for words in ("force along x [N]", "moment about z [N m]", "power on its motion [W]", "balance of momentum, around"):
+            self.assertIn(words, page)
+        self.assertIn("results/body.block.xmf", page)
+        self.assertNotIn("What else the programs reported", page)
+        self.assertIn("around.force_balance_x", columns_shown(run))
+        self.assertNotIn('class="trouble"', page)
+
+    def test_leaves_the_inside_of_bodies_out_of_pictures(self):
+        states = RunFolder(add_body(write_flow_run(self.folder / "run", n_cells=(32, 32, 1)))).flow_fields()
+        for state in (0, 2):
+            shown = without_bodies(states, "flow", state, 2, vorticity_in_plane(states, "flow", state, 2))
+            centre = (numpy.arange(32) + 0.5) * 2 * numpy.pi / 32
+            begin = 2 + 0.5 * state
+            inside = ((centre > begin) & (centre < begin + 1))[:, None] & ((centre > 2) & (centre < 4))[None, :]
+            numpy.testing.assert_array_equal(numpy.ma.getmaskarray(shown), inside)
+
+    def test_outlines_are_where_a_plane_meets_the_surface(self):
+        corner, triangles = box_surface((1, 2, 0), (2, 4, 3))
+        segments = cut_by_plane(corner, triangles, 2, 1.1, [0, 1])
+        self.assertEqual(len(segments), 8, "two triangles a side")
+        length = numpy.linalg.norm(segments[:, 1] - segments[:, 0], axis=-1).sum()
+        self.assertAlmostEqual(length, 2 * (1 + 2), delta=1e-12)  # round the box
+        on_side = numpy.isclose(segments[..., 0], 1) | numpy.isclose(segments[..., 0], 2) | numpy.isclose(segments[..., 1], 2) | numpy.isclose(segments[..., 1], 4)
+        self.assertTrue(on_side.all())
+        self.assertEqual(len(cut_by_plane(corner, triangles, 2, 3.5, [0, 1])), 0)
+        across_x = cut_by_plane(corner, triangles, 0, 1.5, [1, 2])
+        self.assertAlmostEqual(numpy.linalg.norm(across_x[:, 1] - across_x[:, 0], axis=-1).sum(), 2 * (2 + 3), delta=1e-12)
 
     def testvorticity_in_plane_is_that_of_the_velocity(self):
         states = RunFolder(write_flow_run(self.folder / "run", n_cells=(64, 64, 1))).flow_fields()

@@ -95,6 +95,34 @@ flow { fluid { density: 1 viscosity: 0.01 } navier_stokes { grid {
 """
 
 
+def box_surface(low, high):
+    """Corners and triangles of a box, normals outward."""
+    corner = numpy.array([[(low, high)[i >> d & 1][d] for d in range(3)] for i in range(8)], dtype=float)
+    squares = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
+    return corner, numpy.array([triangle for a, b, c, d in squares for triangle in ((a, b, c), (a, c, d))])
+
+
+def add_body(folder, low=(2, 2, 0), high=(3, 4, 6.2832), per_state=0.5):
+    """A box in the flow of write_flow_run, which moves on along x from state to state; its forces in the history."""
+    corner, triangles = box_surface(low, high)
+    with h5py.File(folder / "results" / "flow.h5", "a") as file:
+        file["body/block/triangle"] = triangles
+        faces = [file[f"grid/flow/{axis}"][()] for axis in "xyz"]
+        names = sorted(file["state"])
+    x, y, z = numpy.meshgrid(*[0.5 * (f[1:] + f[:-1]) for f in faces], indexing="ij")
+    for state, name in enumerate(names):
+        shift = numpy.array([per_state * state, 0, 0])
+        outside = (x < low[0] + shift[0]) | (x > high[0] + shift[0]) | (y < low[1]) | (y > high[1]) | (z < low[2]) | (z > high[2])
+        with h5py.File(folder / "results" / f"flow.{name}.h5", "a") as own:
+            own["body/block/position"] = (corner + shift).astype("f4")
+            own["flow/fluid_share"] = outside.transpose(2, 1, 0).astype("f4")
+    lines = (folder / "history.csv").read_text().splitlines()
+    columns = ["body.block.force_x [N]", "body.block.viscous_force_x [N]", "body.block.moment_z [N m]", "body.block.power [W]", "around.force_balance_x [N]"]
+    rows = [f"{line},{2 + 0.1 * n},{0.5},{-1 - n},{3 * n},{2.05 + 0.1 * n if n > 3 else 'nan'}" for n, line in enumerate(lines[1:])]
+    (folder / "history.csv").write_text("\n".join([lines[0] + "," + ",".join(columns)] + rows) + "\n")
+    return folder
+
+
 def write_flow_run(folder, n_cells=(16, 16, 16), n_states=3):
     """A flow in two or three dimensions: a vortex about z in every state, and a history in which energy decays."""
     (folder / "results").mkdir(parents=True)

@@ -179,5 +179,43 @@ TEST(CutCells, ACylinderInTwoDimensionsIsSeenAlikeByAllRanks) {
   EXPECT_GT(n_seen, 30);
 }
 
+double fluid_in_cut_cells(const CutGrid& grid) {
+  double volume = 0;
+  for (const CutCell& cell : grid.cut().cells()) volume += grid.cut().fluid_volume(cell);
+  return volume;
+}
+
+TEST(CutCells, VolumesOfFluidConvergeWithTheSquareOfTheWidth) {
+  std::array<double, 2> error{}, flat_error{};
+  for (std::size_t level = 0; level < 2; ++level) {
+    const int n = level == 0 ? 16 : 32;
+    const double width = 1.0 / n, radius = 0.31;
+    const auto missing = [&](const CutGrid& grid, const StretchedGrid& box, double cell_volume) {
+      const ActiveCells whole = grid.cut().whole(ActiveCells::all(box_of(box.n_cells())));
+      return 1 - static_cast<double>(whole.n_cells()) * cell_volume - fluid_in_cut_cells(grid);
+    };
+    const StretchedGrid box = uniform_box({n, n, n}, width);
+    const CutGrid ball(box, box_of({n, n, n}), 0, {sphere_surface({0.5, 0.47, 0.52}, radius, 6)});
+    error[level] = missing(ball, box, width * width * width) / (4 * std::numbers::pi / 3 * std::pow(radius, 3)) - 1;
+    StretchedGrid plane = uniform_box({n, n, 1}, width, 2);
+    plane.axis[2] = StretchedAxis({0, 1}, false);
+    const CutGrid disc(plane, box_of({n, n, 1}), 0, {cylinder_surface({0.5, 0.52, 0}, radius, 2000, 1)});
+    flat_error[level] = missing(disc, plane, width * width) / (std::numbers::pi * radius * radius) - 1;
+  }
+  // Chords lie inside: of (width / radius)^2 = 0.04 a part, which falls by 4.
+  EXPECT_LT(std::abs(error[0]), 0.03);
+  EXPECT_NEAR(error[0] / error[1], 4, 1);
+  EXPECT_LT(std::abs(flat_error[0]), 0.01);
+  EXPECT_NEAR(flat_error[0] / flat_error[1], 4, 1);
+}
+
+TEST(CutCells, ASheetTakesNoVolume) {
+  const int n = 8;
+  const StretchedGrid box = uniform_box({n, n, n}, 1.0 / n);
+  const CutGrid grid(box, box_of({n, n, n}), 0, {flat_sheet({0.2, -0.5, -0.5}, {0.6, 2, 0}, {0.1, 0, 2}, 10)});
+  const double volume = static_cast<double>(grid.cut().cells().size()) / (n * n * n);
+  EXPECT_NEAR(fluid_in_cut_cells(grid), volume, 1e-13);  // both sides are fluid
+}
+
 }  // namespace
 }  // namespace couplet::flow

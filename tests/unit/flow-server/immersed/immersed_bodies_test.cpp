@@ -27,7 +27,7 @@ double largest_outflow(int n, std::vector<BodySurface> surfaces, const Flow& flo
     });
   ImmersedBodies bodies(placed.block, BodyFlowSettings{});
   HaloExchange halo(placed.blocks);
-  bodies.forcing().force(*placed.bodies, *placed.bodies, 0, placed.pressure, halo, placed.velocity);
+  bodies.forcing().force(*placed.bodies, *placed.bodies, placed.pressure, halo, placed.velocity);
   bodies.forcing().take_slopes_of(*placed.bodies, 0, placed.pressure, placed.velocity);
   Field<double> source = placed.block.new_field();
   std::vector<double> piece_source;
@@ -63,6 +63,25 @@ TEST(ImmersedBodies, AUniformFlowThatTheWallsGoAlongWithHasNoDivergence) {
                              flat_sheet({0.14, -1, -1}, {0.2, 3, 0}, {0, 0, 3}, 7), sphere_surface(middle, 0.2, 4)},
                             uniform),
             1e-13);
+}
+
+TEST(ImmersedBodies, TellWhetherThePressureProblemHasChanged) {
+  const StretchedGrid grid = uniform_box({12, 12, 12}, 1.0 / 12);
+  const auto sheet_at = [](double x) {
+    return std::vector<BodySurface>{flat_sheet({x, -1, -1}, {0.2, 3, 0}, {0, 0, 3}, 7)};
+  };
+  PlacedBodies first(grid, sheet_at(0.4)), second(grid, sheet_at(0.4));
+  ImmersedBodies bodies(first.block, BodyFlowSettings{});
+  PressureProblem problem = make_pressure_problem(first.setup, first.block, first.border);
+  const auto write = [&](const PlacedBodies& placed) {
+    std::vector<Box> changed;
+    return bodies.write_problem(*placed.bodies, problem, changed);
+  };
+  EXPECT_TRUE(write(first));
+  EXPECT_FALSE(write(second));  // another geometry of the same place
+  second.bodies->place(sheet_at(0.41));
+  EXPECT_TRUE(write(second));
+  EXPECT_TRUE(write(first));
 }
 
 }  // namespace

@@ -68,7 +68,8 @@ TEST(PressurePieces, TakeSlopesOnTheirOwnSide) {
         centre_of_cell(placed.block, cut.cells()[static_cast<std::size_t>(part.cell)].cell)[1];
   }
   int n_seen = 0;
-  for (const CutFace& face : cut.faces()) {
+  for (int f = 0; f < static_cast<int>(cut.faces().size()); ++f) {
+    const CutFace& face = cut.faces()[static_cast<std::size_t>(f)];
     const auto& [i, j, k] = face.face;
     if (j < 0 || (face.direction == 1 && j > 2)) continue;
     for (int p = face.first_piece; p < face.first_piece + face.n_pieces; ++p) {
@@ -79,7 +80,7 @@ TEST(PressurePieces, TakeSlopesOnTheirOwnSide) {
       ++n_seen;
     }
     // The middle of a face in the column stands right of the sheet, at 0.5; on i = 1 the face is one piece.
-    const double middle = pieces.middle_slope(face, placed.pressure, placed.bodies->piece_pressure);
+    const double middle = pieces.middle_slope(f, placed.pressure, placed.bodies->piece_pressure);
     EXPECT_NEAR(middle, face.direction == 0 ? 0 : 2, 1e-12);
     EXPECT_EQ(pieces.has_plain_slope(face), face.direction == 1 || i == 2);
   }

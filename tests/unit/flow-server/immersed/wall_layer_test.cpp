@@ -160,5 +160,75 @@ TEST(WallLayer, FacesInsideABodyHaveItsVelocity) {
   }
 }
 
+/// What is written in place of an older position, to the last bit.
+void expect_same(const WallLayer& layer, const WallLayer& other) {
+  const auto expect_same_values = [](const WallValue& a, const WallValue& b) {
+    EXPECT_EQ(a.component, b.component);
+    EXPECT_EQ(a.face, b.face);
+    EXPECT_EQ(a.wall_velocity, b.wall_velocity);
+    for (std::size_t n_image = 0; n_image < a.image.size(); ++n_image) {
+      EXPECT_EQ(a.image[n_image].ratio, b.image[n_image].ratio);
+      EXPECT_EQ(a.image[n_image].base, b.image[n_image].base);
+      EXPECT_EQ(a.image[n_image].weight, b.image[n_image].weight);
+    }
+  };
+  ASSERT_EQ(layer.forced().size(), other.forced().size());
+  for (std::size_t f = 0; f < layer.forced().size(); ++f) {
+    expect_same_values(layer.forced()[f].value, other.forced()[f].value);
+    EXPECT_EQ(layer.forced()[f].share, other.forced()[f].share);
+    EXPECT_EQ(layer.forced()[f].surface, other.forced()[f].surface);
+  }
+  ASSERT_EQ(layer.ghosts().size(), other.ghosts().size());
+  for (std::size_t g = 0; g < layer.ghosts().size(); ++g) expect_same_values(layer.ghosts()[g], other.ghosts()[g]);
+  ASSERT_EQ(layer.solid().size(), other.solid().size());
+  for (std::size_t w = 0; w < layer.solid().size(); ++w) expect_same_values(layer.solid()[w], other.solid()[w]);
+  ASSERT_EQ(layer.rows().size(), other.rows().size());
+  for (std::size_t r = 0; r < layer.rows().size(); ++r) {
+    EXPECT_EQ(layer.rows()[r].face, other.rows()[r].face);
+    for (std::size_t e = 0; e < CutRow::n_entries; ++e) {
+      EXPECT_EQ(layer.rows()[r].seen[e].ghost, other.rows()[r].seen[e].ghost);
+      EXPECT_EQ(layer.rows()[r].seen[e].blocked, other.rows()[r].seen[e].blocked);
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(layer.near_faces(c), other.near_faces(c));
+    EXPECT_EQ(layer.image_faces(c), other.image_faces(c));
+  }
+}
+
+TEST(WallLayer, APositionIsTheSameWhateverWasThereBefore) {
+  const auto surfaces_at = [](double shift) {
+    std::vector<BodySurface> surfaces{sphere_surface({0.51, 0.49, 0.5}, 0.27, 4), plane({0.2, 0, 0.1}, offset + shift)};
+    surfaces[0].velocity.assign(surfaces[0].velocity.size(), Point{shift, 0, 0});
+    return surfaces;
+  };
+  PlacedBodies moved(uniform_box({n, n, n}, h), surfaces_at(0));
+  for (const double shift : {0.3 * h, 1.7 * h, -0.6 * h}) moved.bodies->place(surfaces_at(shift));
+  const PlacedBodies anew(uniform_box({n, n, n}, h), surfaces_at(-0.6 * h));
+  expect_same(moved.bodies->layer(), anew.bodies->layer());
+}
+
+TEST(WallLayer, ImagesComeFromFacesThatItKnows) {
+  const PlacedBodies placed(uniform_box({n, n, n}, h), {plane({0, 0, 0})});
+  const WallLayer& layer = placed.bodies->layer();
+  std::array<std::vector<Triple>, 3> faces;
+  for (int c = 0; c < 3; ++c) {
+    faces[c] = layer.image_faces(c);
+    std::sort(faces[c].begin(), faces[c].end());
+    EXPECT_EQ(std::adjacent_find(faces[c].begin(), faces[c].end()), faces[c].end());
+  }
+  const auto expect_known = [&](const WallValue& value) {
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      if (value.image[0].weight[corner] == 0) continue;
+      Triple face = value.image[0].base;
+      for (std::size_t d = 0; d < 3; ++d) face[d] += static_cast<int>(corner >> d & 1u);
+      const std::vector<Triple>& beyond = faces[static_cast<std::size_t>(value.component)];
+      EXPECT_NE(layer.is_near(value.component, face), std::binary_search(beyond.begin(), beyond.end(), face));
+    }
+  };
+  for (const ForcedFace& forced : layer.forced()) expect_known(forced.value);
+  for (const WallValue& ghost : layer.ghosts()) expect_known(ghost);
+}
+
 }  // namespace
 }  // namespace couplet::flow

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
+#include "flow-server/immersed/body_shape.hpp"
 #include "flow-server/navier_stokes/step_limit.hpp"
 #include "proto/report/failure.hpp"
 #include "tests/unit/flow-server/state_from_formula.hpp"
@@ -134,6 +136,92 @@ INSTANTIATE_TEST_SUITE_P(NavierStokesModel, EveryScheme,
                          [](const auto& test) {
                            return name_of(std::get<0>(test.param)) + (std::get<1>(test.param) ? "_with_a_block" : "");
                          });
+
+/// A stream in two dimensions around an ellipse that moves by these joints.
+NavierStokesOptions around_an_ellipse(const PlanePoint& centre, const std::array<double, 2>& radii,
+                                      std::vector<Joint> joints) {
+  const StretchedGrid grid{{StretchedAxis(uniform_faces(0, 3, 24), false),
+                            StretchedAxis(uniform_faces(-1, 1, 16), false), StretchedAxis({0, 0.5}, false)},
+                           2};
+  NavierStokesOptions options{
+      .setup = {grid, 1.2, 0.02, {}, {}, {}, {}, {}, TimeScheme::adams_bashforth, {}, {}, false},
+      .shape = {},
+      .initial_file = {},
+      .observed = {}};
+  FacePatch in, out;
+  in.condition = PrescribedVelocity{{SpaceTimeValue(1), SpaceTimeValue(0), SpaceTimeValue(0)}};
+  out.condition = ConvectiveOutflow{};
+  options.setup.border[0] = {std::vector{in}, std::vector{out}};
+  BodySetup bar;
+  bar.name = "bar";
+  bar.mesh = make_elliptic_cylinder(centre, radii, {0, 0.5, true}, 0.06);
+  bar.motion = PrescribedMotion(std::move(joints));
+  options.bodies = {bar};
+  return options;
+}
+
+std::map<std::string, double> measures_of_a_bar(std::vector<Joint> joints, const FlowObservation::Moment& moment) {
+  NavierStokesOptions options = around_an_ellipse({1.2, 0.1}, {0.45, 0.25}, std::move(joints));
+  options.observed.moments = {moment};
+  NavierStokesModel model(options, MPI_COMM_WORLD);
+  std::map<std::string, double> found;
+  for (int s = 0; s < 4; ++s) {
+    model.solve_step(0.01, {});
+    for (const FlowQuantity& quantity : model.accept_step()) found[quantity.name] = quantity.value;
+  }
+  return found;
+}
+
+TEST(NavierStokesModel, PowerIsThatOfForceAndMoment) {
+  const TimeFormula turn{[](double t) { return 3 * t; }, 1e-3}, move{[](double t) { return 0.7 * t; }, 1e-3};
+  const auto turning = measures_of_a_bar({Rotation{{1.5, 0.3, 0}, {0, 0, 1}, turn}}, {0, {1.5, 0.3, 0}, false});
+  ASSERT_EQ(turning.count("body.bar.moment_z"), 1u);
+  EXPECT_EQ(turning.count("body.bar.moment_x"), 0u);
+  const double moment = turning.at("body.bar.moment_z");
+  EXPECT_GT(std::abs(moment), 1e-3);
+  EXPECT_NEAR(turning.at("body.bar.power"), 3 * moment, 1e-9 * std::abs(moment));  // the rate is a difference
+  const auto moving = measures_of_a_bar({Translation{{move, 0.0, 0.0}}}, {0, {1.2, 0.1, 0}, false});
+  const double force = moving.at("body.bar.force_x");
+  EXPECT_NEAR(moving.at("body.bar.power"), 0.7 * force, 1e-9 * std::abs(force));
+  // About a point that has been carried on by s: M' = M - s x F.
+  const auto carried = measures_of_a_bar({Translation{{move, 0.0, 0.0}}}, {0, {1.2, 0.1, 0}, true});
+  EXPECT_NEAR(carried.at("body.bar.moment_z"),
+              moving.at("body.bar.moment_z") - 0.7 * 0.04 * moving.at("body.bar.force_y"), 1e-9 * std::abs(force));
+  const auto fixed = measures_of_a_bar({}, {0, {1.2, 0.1, 0}, true});
+  EXPECT_EQ(fixed.count("body.bar.power"), 0u);
+}
+
+TEST(NavierStokesModel, SaysOfBodiesThatTheGridDoesNotSee) {
+  const auto refusal = [](const PlanePoint& centre, double radius) -> std::string {
+    try {
+      NavierStokesModel model(around_an_ellipse(centre, {radius, radius}, {}), MPI_COMM_WORLD);
+    } catch (const report::SceneError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal({5, 0}, 0.2), AllOf(HasSubstr("lies outside the grid: it reaches from x = 4.79"),
+                                          HasSubstr("m, the grid from 0 to 3 m")));
+  EXPECT_THAT(refusal({1.5, 0}, 20), HasSubstr("encloses the grid and cuts it nowhere"));
+  EXPECT_THAT(refusal({1.1, 0.06}, 0.01), HasSubstr("cuts no line between cells: it is at most 0.02"));
+  EXPECT_EQ(refusal({1.5, 0}, 0.2), "");
+  const TimeFormula into{[](double t) { return -t; }, 1e-3};
+  const NavierStokesModel later(around_an_ellipse({5, 0}, {0.2, 0.2}, {Translation{{into, 0.0, 0.0}}}), MPI_COMM_WORLD);
+  ASSERT_EQ(later.notes().size(), 1u);
+  EXPECT_THAT(later.notes()[0], HasSubstr("body 'bar' at t = 0: lies outside the grid"));
+}
+
+TEST(NavierStokesModel, SaysWhereABodyLeaves) {
+  const TimeFormula out{[](double t) { return 2 * t; }, 1e-3};
+  NavierStokesModel model(around_an_ellipse({2.5, 0}, {0.2, 0.2}, {Translation{{out, 0.0, 0.0}}}), MPI_COMM_WORLD);
+  try {
+    take_steps(model, 20);
+    FAIL() << "a body has left the grid";
+  } catch (const report::NumericsError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("moves through an open border of the grid, x end at x = 3 m: it reaches to x = "));
+  }
+}
 
 TEST(NavierStokesModel, NamesWhatItMeasures) {
   NavierStokesModel model(duct(TimeScheme::adams_bashforth, false), MPI_COMM_WORLD);

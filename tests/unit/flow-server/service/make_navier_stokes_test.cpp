@@ -48,6 +48,30 @@ TEST(MakeNavierStokes, MakesAGridOfTwoDimensions) {
   EXPECT_EQ(setup.viscosity, 0.5);
 }
 
+TEST(MakeNavierStokes, MeasuresMomentumAndMomentsThatAreNamed) {
+  const std::string bodies =
+      "body { name: 'a' cylinder { radius: 0.1 } } body { name: 'b' cylinder { radius: 0.1 } moment_about { at { x: 3 "
+      "} "
+      "carried: true } } ";
+  const FlowObservation observed = made_from(bodies + "momentum_balance { name: 'box' box { x_to: 1.1 } }").observed;
+  ASSERT_EQ(observed.balances.size(), 1u);
+  EXPECT_EQ(observed.balances[0].name, "box");
+  EXPECT_EQ(observed.balances[0].to[0], 1.1);
+  ASSERT_EQ(observed.moments.size(), 1u);
+  EXPECT_EQ(observed.moments[0].body, 1u);
+  EXPECT_EQ(observed.moments[0].about[0], 3);
+  EXPECT_TRUE(observed.moments[0].is_carried);
+  EXPECT_EQ(observed.regions.at(0).quantities.back(), FieldQuantity::fluid_share);
+  EXPECT_NE(made_from("").observed.regions.at(0).quantities.back(), FieldQuantity::fluid_share);
+  try {
+    made_from("momentum_balance { name: 'box' box { x_from: 0.5 x_to: 1.1 } }");
+    FAIL() << "made of too few cells";
+  } catch (const report::SceneError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("flow.navier_stokes.momentum_balance 'box'"));
+    EXPECT_THAT(error.what(), HasSubstr("has 2 cells along x"));
+  }
+}
+
 TEST(MakeNavierStokes, MakesStretchedAndPeriodicAxes) {
   const NavierStokesSetup setup = made_from("", R"(
     x { stretched { start: 0 end: 4 region { start: 1 end: 2 width: 0.1 } largest_growth: 1.2 largest_width: 0.5 } }

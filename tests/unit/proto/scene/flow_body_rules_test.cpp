@@ -74,10 +74,6 @@ TEST(FlowBodyRules, TakeGoodBodies) {
 TEST(FlowBodyRules, WantNamesOfTheirOwn) {
   EXPECT_THAT(complaints_with("\"rod\"", "\"wall\""),
               ElementsAre(at(25, 12, "[3].name", "\"wall\" is the name of another body; give each its own name")));
-  EXPECT_THAT(complaints_with("\"rod\"", "\"flow\""),
-              ElementsAre(at(25, 12, "[3].name",
-                             "\"flow\" is the name of a stored field too, and both are written to results/flow.xmf; "
-                             "give another name")));
 }
 
 TEST(FlowBodyRules, WantBodiesThatHangOnOthers) {
@@ -108,6 +104,29 @@ TEST(FlowBodyRules, WantShapesThatAreSome) {
   EXPECT_THAT(
       complaints_with("point { x: 2 y: 0.6 } point { x: 1 y: 0.6 } }", "point { x: 3 y: 0.4 } }", flat_bodies),
       ElementsAre(at(9, 7, "[0].polygon", "its points enclose no area; give an outline around an area, or a sheet")));
+}
+
+TEST(FlowBodyRules, WantRoundBodiesThatAreClosed) {
+  const std::string rod = "cylinder { centre { y: 1 } radius: 0.1 }";
+  EXPECT_THAT(complaints_with(rod, "revolved { point { } point { x: 1 y: 0.2 } point { x: 2 } }"), IsEmpty());
+  EXPECT_THAT(complaints_with(rod, "revolved { point { } point { x: 1 } point { x: 2 y: 0.1 } }"),
+              ElementsAre(at(25, 45, "[3].revolved.point[1].y", "is 0 m; give a distance from the axis above 0"),
+                          at(25, 73, "[3].revolved.point[2].y", "is 0.1 m, but the body ends here; give 0, the axis")));
+}
+
+TEST(FlowBodyRules, WantSheetsBetweenTwoEdges) {
+  const std::string plate = "rectangle { corner { y: 0.3 } first_side { x: 0.5 } second_side { y: 1 } }";
+  const auto complaints = [&](const std::string& first, const std::string& second) {
+    return complaints_with(plate, "ruled_sheet { first_edge { y: 0.3 } first_edge { y: 1 } first_edge { y: 1.3 " +
+                                      first + "} second_edge { x: 0.5 y: 0.3 } second_edge { x: 0.3 y: 1 } " + second +
+                                      "}");
+  };
+  EXPECT_THAT(complaints("", "second_edge { y: 1.3 }"), IsEmpty());  // ends in a tip
+  EXPECT_THAT(complaints("", ""), ElementsAre(testing::HasSubstr("has 2 points, first_edge 3; give both as many")));
+  EXPECT_THAT(complaints("} first_edge { y: 2 ", "second_edge { y: 1.3 } second_edge { x: 1 y: 2 }"),
+              ElementsAre(testing::HasSubstr("lies on the first edge, which parts the sheet in two")));
+  EXPECT_THAT(complaints("", "second_edge { x: 0.3 y: 1 }"),
+              ElementsAre(testing::HasSubstr("lies where the point before lies; delete this pair of points")));
 }
 
 TEST(FlowBodyRules, WantOutlinesThatDoNotCrossThemselves) {

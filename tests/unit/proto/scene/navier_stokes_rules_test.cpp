@@ -149,7 +149,21 @@ TEST(NavierStokesRules, WantPlanesAndProbesInsideWithTheirOwnNames) {
                              "1.5 m is outside the grid, which reaches from 0 to 1 m; give a place inside")));
   EXPECT_THAT(complaints_with("probe { name: \"wake\"", "probe { name: \"inlet\""),
               ElementsAre(at(26, 13, "probe[0].name",
-                             "\"inlet\" is the name of another plane or probe; give each its own name")));
+                             "\"inlet\" is the name of another plane, probe or balance; give each its own name")));
+}
+
+TEST(NavierStokesRules, WantMomentumBalancesInsideWithTheirOwnNames) {
+  const std::string last = "    integral_quantities: true\n";
+  const auto with_balance = [&](const std::string& balance) {
+    return complaints_with(last, "    momentum_balance { " + balance + " }\n");
+  };
+  EXPECT_THAT(with_balance("name: \"around\" box { x_from: 1 x_to: 3 }"), IsEmpty());
+  EXPECT_THAT(with_balance("name: \"wake\" box { x_from: 1 }"),
+              ElementsAre(at(27, 24, "momentum_balance[0].name",
+                             "\"wake\" is the name of another plane, probe or balance; give each its own name")));
+  EXPECT_THAT(with_balance("name: \"around\" box { x_from: 5 }"),
+              ElementsAre(at(27, 45, "momentum_balance[0].box.x_from",
+                             "5 m is beyond the end of the grid, 4 m; give a smaller one")));
 }
 
 TEST(NavierStokesRules, WantStoredFieldsThatAreStored) {
