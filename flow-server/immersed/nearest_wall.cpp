@@ -111,6 +111,10 @@ double NearestWall::gap(const ClosestPoint& at, const Eigen::Vector3d& away, dou
   return 2 * radius;
 }
 
+bool NearestWall::is_empty(const ClosestPoint& wall, const Eigen::Vector3d& to_middle, double radius) {
+  return !of_all(vector(wall.position) + to_middle, radius).is_found();
+}
+
 bool NearestWall::are_at_rest(const NearbyWalls& nearby) const {
   for (std::size_t s = 0; s < is_at_rest_.size(); ++s)
     if (!is_at_rest_[s] && nearby.surfaces.contains(static_cast<int>(s))) return false;

@@ -17,6 +17,7 @@ class SurfaceSet {
   void add(int surface) { bits_ |= bit(surface); }
   void add(SurfaceSet others) { bits_ |= others.bits_; }
   bool contains(int surface) const { return (bits_ & bit(surface)) != 0; }
+  bool is_only(int surface) const { return surface < 31 && bits_ == bit(surface); }
 
  private:
   static std::uint32_t bit(int surface) { return 1u << (surface < 31 ? surface : 31); }
@@ -50,6 +51,8 @@ class NearestWall {
   /// the walls, and knows two sides of one surface as well as two surfaces. A wall that opens recedes. `away`: unit
   /// vector into the gap.
   double gap(const ClosestPoint& wall, const Eigen::Vector3d& away, double most);
+  /// Whether a ball holds no wall. `to_middle`: from a point of a wall to that of the ball [m].
+  bool is_empty(const ClosestPoint& wall, const Eigen::Vector3d& to_middle, double radius);
   /// Whether all surfaces that cut cells around the place stand still.
   bool are_at_rest(const NearbyWalls& nearby) const;
 

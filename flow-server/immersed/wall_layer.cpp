@@ -66,6 +66,7 @@ void WallLayer::update(std::span<const BodySurface> surfaces, std::span<const Su
       for (const Triple& face : *faces) entry(c, face) = {};
   for (const WallValue& ghost : ghosts_) entry(ghost.component, ghost.face) = {};
   links_.clear(), beside_.clear();
+  clearness_.assign(2 * cut_.cells().size(), Clearness::unknown);
   forced_.clear(), ghosts_.clear(), ghost_side_.clear(), solid_.clear(), rows_.clear();
   sight_.update();
   collect_faces();
@@ -256,9 +257,7 @@ void WallLayer::add_face(int component, const Triple& face) {
   const double blend = blend_of(surface);
   const double closed = 1 - nearest_.opening(closest);
   if (distance >= blend * width || closed <= 0) return;
-  // Wider gaps than these change nothing of what follows.
-  const double most = 2 * (blend + settings_.image_distance) + 1.5;
-  const double gap = nearest_.gap(closest, away, most * width) / width;
+  const double gap = gap_before(closest, away, width, widest_gap(blend), nearby, face);
   const double narrowed = std::clamp(0.5 * (gap - 1), narrowest_blend * blend, blend);
   const double share = std::max(1 - distance / (narrowed * width), 0.0) * closed;
   const double beyond = std::clamp(0.5 * gap - distance / width, nearest_image, settings_.image_distance) * width;
@@ -297,15 +296,6 @@ WallLayer::Neighbours WallLayer::fluid_neighbours(int component, const Triple& f
   return neighbours;
 }
 
-/// The wall's value alone where there is nothing beside it.
-void WallLayer::set_room(WallValue& value, double room, const Neighbours& beside) {
-  if (room >= 1 || beside.n == 0) return;
-  value.room = room;
-  value.first_beside = static_cast<int>(beside_.size());
-  value.n_beside = beside.n;
-  beside_.insert(beside_.end(), beside.face.begin(), beside.face.begin() + beside.n);
-}
-
 int WallLayer::ghost(int component, const Triple& face, int surface, bool is_outer) {
   int& place = entry(component, face).last_ghost;
   for (int g = place; g > 0; g = ghost_side_[static_cast<std::size_t>(g - 1)].before) {
@@ -330,8 +320,7 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
     else
       towards = normal;
     const double width = spacing(face, towards);
-    const double most = far_over_near * settings_.image_distance + 2;  // as beside forced faces
-    const double gap = nearest_.gap(closest, towards, most * width) / width;
+    const double gap = gap_before(closest, towards, width, widest_gap(0), entry(component, face).walls, face);
     const double near = std::clamp(0.5 * gap, nearest_image_of_ghost, settings_.image_distance);
     // From a neighbour that looks through the wall from that side.
     const Eigen::Vector3d image = vector(closest.position) + near * width * towards;

@@ -159,6 +159,7 @@ class WallLayer {
   const FaceEntry& entry(int component, const Triple& face) const {
     return entry_[component](face[0], face[1], face[2]);
   }
+  enum class Clearness : std::uint8_t { unknown, clear, not_clear };
   /// Through which side of which surface a ghost is seen, and the one made of the same face before, counted from 1.
   struct GhostSide {
     int surface;
@@ -183,6 +184,12 @@ class WallLayer {
   bool is_beyond_border(int component, const Triple& face) const;
   void set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
                   double near, double room_for_far, const Triple& from) const;
+  /// Wider gaps [cells] change nothing of a face within the blend's width, nor of a ghost (blend 0).
+  double widest_gap(double blend) const { return far_over_near * (blend + settings_.image_distance) + 2; }
+  double gap_before(const ClosestPoint& wall, const Eigen::Vector3d& away, double width, double most,
+                    const NearbyWalls& nearby, const Triple& near_cell);
+  bool is_clear_before(const CutCell& cell, int surface, bool is_outer);
+  Triple cell_of(const Eigen::Vector3d& point, Triple cell) const;
   template <class Wanted>
   Neighbours fluid_neighbours(int component, const Triple& face, const Wanted& wanted) const;
   void set_room(WallValue& value, double room, const Neighbours& beside);
@@ -211,6 +218,7 @@ class WallLayer {
   std::vector<CutRow> rows_;
   std::vector<GhostSide> ghost_side_;  // of each ghost
   std::vector<Triple> beside_;
+  std::vector<Clearness> clearness_;  // before the inner and the outer side of the wall in each cut cell
   std::vector<int> ghost_of_piece_;
   std::vector<PieceShift> shifts_;
 };

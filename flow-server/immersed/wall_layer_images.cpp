@@ -175,17 +175,6 @@ double WallLayer::value_of(const WallValue& value, const Field<double>& velocity
   return result;
 }
 
-double WallLayer::mean_beside(const WallValue& value, const Field<double>& field) const {
-  double sum = 0;
-  for (const Triple& face : beside(value)) sum += field(face[0], face[1], face[2]);
-  return sum / value.n_beside;
-}
-
-double WallLayer::imposed(const WallValue& value, const Field<double>& velocity) const {
-  if (value.room >= 1) return value_of(value, velocity);
-  return value.room * value_of(value, velocity) + (1 - value.room) * mean_beside(value, velocity);
-}
-
 double WallLayer::rise_to(const WallImage& image, double wall_velocity, const Field<double>& velocity) {
   double rise = 0;
   for (std::size_t n = 0; n < 8; ++n)
