@@ -82,7 +82,7 @@ BodySurfaces::BodySurfaces(std::vector<BodySetup> bodies, const StretchedGrid& g
       notes_.insert(notes_.end(), surface.notes().begin(), surface.notes().end());
       if (setup.is_closed) closed.push_back(surface.surface());
       const double kept = share_of_cell_kept * smallest_width_around(grid, setup.mesh);
-      made[b] = Body{std::move(setup), std::move(surface), kept, {}, {}};
+      made[b] = Body{std::move(setup), std::move(surface), kept, {}, {}, {}};
     }
   for (std::optional<Body>& body : made) bodies_.push_back(std::move(*body));
 }
@@ -96,9 +96,31 @@ std::vector<BodySurface> BodySurfaces::at(double time) {
     } else {
       body.surface.move_to(time);
     }
-    surfaces.push_back(body.surface.surface());
   }
+  shut_edges();
+  for (const Body& body : bodies_) surfaces.push_back(body.surface.surface());
   return surfaces;
+}
+
+/// Free edges of sheets before closed bodies, all of them in their present place.
+void BodySurfaces::shut_edges() {
+  const auto has_edges = [](const Body& body) { return body.surface.has_opening_edges(); };
+  if (std::none_of(bodies_.begin(), bodies_.end(), has_edges)) return;
+  std::vector<EdgeObstacle> obstacles;
+  for (Body& body : bodies_) {
+    if (!body.setup.is_closed) continue;
+    const BodySurface& surface = body.surface.surface();
+    const std::array<SurfaceInTree, 1> in_tree{SurfaceInTree{&surface, {}, static_cast<int>(surface.triangle.size())}};
+    if (!body.tree) {
+      body.tree.emplace(in_tree);
+    } else if (!surface.is_fixed) {
+      body.tree->refit(in_tree);
+    }
+    obstacles.push_back({&surface, &*body.tree});
+  }
+  if (obstacles.empty()) return;
+  for (Body& body : bodies_)
+    if (has_edges(body)) body.surface.shut_edges_before(obstacles);
 }
 
 void BodySurfaces::set_start(int index, NodalMotion start) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flow-server/immersed/moving_surface.hpp"
+#include "flow-server/immersed/surface_tree.hpp"
 
 namespace couplet::flow {
 
@@ -63,7 +64,9 @@ class BodySurfaces {
     MovingSurface surface;
     double kept_distance;                   // [m]
     std::optional<NodalMotion> start, end;  // of the step, of a body that is moved from outside
+    std::optional<SurfaceTree> tree;        // of a closed body before which edges of sheets shut
   };
+  void shut_edges();
 
   std::vector<Body> bodies_;
   std::vector<std::string> notes_;

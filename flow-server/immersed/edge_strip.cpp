@@ -45,6 +45,7 @@ EdgeStrip::EdgeStrip(const BodySurface& sheet, std::span<const FreeEdge> free_ed
   }
   add_strip(attached, true);
   const std::vector<int> beyond_walls = continue_beyond_walls(free);
+  shut(cell_width, {});
   for (const Root& root : root_) place(root, cell_width);
   std::vector<int> all_free = free;
   all_free.insert(all_free.end(), beyond_walls.begin(), beyond_walls.end());
@@ -286,18 +287,33 @@ void EdgeStrip::place(const Root& root, const CellWidth& cell_width) {
     const std::size_t c = static_cast<std::size_t>(root.first) + k;
     surface_.position[c] = corner.x;
     surface_.velocity[c] = corner.u;
-    surface_.opening[c] =
-        root.is_attached ? surface_.opening[static_cast<std::size_t>(root.corner)] : ramp_.opening(reach, h);
+    surface_.opening[c] = root.is_attached ? surface_.opening[static_cast<std::size_t>(root.corner)]
+                                           : ajar_[static_cast<std::size_t>(root.corner)] * ramp_.opening(reach, h);
     reach_[c - static_cast<std::size_t>(n_sheet_corners_)] = reach;
   }
 }
 
-void EdgeStrip::update(const BodySurface& sheet, const CellWidth& cell_width) {
+/// How far edges are ajar.
+void EdgeStrip::shut(const CellWidth& cell_width, const Clearance& clearance) {
+  ajar_.assign(surface_.position.size(), 1.0);
+  if (!clearance) return;
+  const auto still = [this](int corner) { return MovingPoint{position(corner), {}}; };
+  for (const Root& root : root_) {
+    if (root.is_attached || root.corner >= n_sheet_corners_) continue;
+    const std::vector<MovingPoint> direction = directions(root, still);
+    const Point &here = position(root.corner), on = unit(direction[direction.size() / 2]).x;
+    ajar_[static_cast<std::size_t>(root.corner)] =
+        std::clamp(clearance(here, on) / (ramp_.shut_from * cell_width(here)), 0.0, 1.0);
+  }
+}
+
+void EdgeStrip::update(const BodySurface& sheet, const CellWidth& cell_width, const Clearance& clearance) {
   assert(static_cast<int>(sheet.position.size()) == n_sheet_corners_);
   assert(static_cast<int>(sheet.triangle.size()) == n_sheet_triangles_);
   std::copy(sheet.position.begin(), sheet.position.end(), surface_.position.begin());
   std::copy(sheet.velocity.begin(), sheet.velocity.end(), surface_.velocity.begin());
   std::fill(surface_.opening.begin(), surface_.opening.begin() + n_sheet_corners_, 0.0);
+  shut(cell_width, clearance);
   int last = -1;
   double h = 0;
   for (const NearEdge& pair : near_) {
@@ -305,7 +321,8 @@ void EdgeStrip::update(const BodySurface& sheet, const CellWidth& cell_width) {
     if (pair.edge != last) h = cell_width(0.5 * (position(edge.from) + position(edge.to)));
     last = pair.edge;
     double& opening = surface_.opening[static_cast<std::size_t>(pair.corner)];
-    opening = std::max(opening, ramp_.opening(-distance_to(pair.edge, position(pair.corner)), h));
+    const double ajar = 0.5 * (ajar_[static_cast<std::size_t>(edge.from)] + ajar_[static_cast<std::size_t>(edge.to)]);
+    opening = std::max(opening, ajar * ramp_.opening(-distance_to(pair.edge, position(pair.corner)), h));
   }
   for (const Root& root : root_) place(root, cell_width);
 }

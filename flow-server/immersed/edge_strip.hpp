@@ -14,9 +14,10 @@ namespace couplet::flow {
 
 /// How a sheet opens across its free edge. Lengths in cell widths.
 struct EdgeRamp {
-  double length = 2;    // over which it opens
-  double shift = 0.13;  // by which the middle of the ramp lies beyond the edge
-  double past = 1.5;    // that the strip goes on where it is fully open
+  double length = 2;       // over which it opens
+  double shift = 0.13;     // by which the middle of the ramp lies beyond the edge
+  double past = 1.5;       // that the strip goes on where it is fully open
+  double shut_from = 0.1;  // of what stands before the edge: there it begins to shut, and at contact it is closed
 
   double beyond() const { return length / 2 + shift + past; }  // the edge, up to where the strip ends
   double before() const { return length / 2 - shift; }         // the edge, from where it begins to open
@@ -44,6 +45,9 @@ struct EdgeRamp {
 class EdgeStrip {
  public:
   using CellWidth = std::function<double(const Point&)>;  // [m]
+  /// How far an obstacle stands before a point of the edge, in the direction in which the strip goes on (a unit vector)
+  /// [m]; 0 where they touch.
+  using Clearance = std::function<double(const Point& from, const Point& direction)>;
 
   /// Settles which triangles there are, from the sheet as it is now; `is_attached` says so for each free edge. Which
   /// corners of the sheet an edge opens, and which edges are near each other, is searched up to twice the distance that
@@ -51,9 +55,9 @@ class EdgeStrip {
   EdgeStrip(const BodySurface& sheet, std::span<const FreeEdge> free_edges, const std::vector<bool>& is_attached,
             const EdgeRamp& ramp, double attached_length, const CellWidth& cell_width);
 
-  /// Follows the sheet, which has the corners and triangles that the strip was made from. A smaller cell width near an
-  /// obstacle draws the ramp in: with c / beyond() it ends at a distance c.
-  void update(const BodySurface& sheet, const CellWidth& cell_width);
+  /// Follows the sheet, which has the corners and triangles that the strip was made from. With a clearance edges shut
+  /// before obstacles: the opening falls linearly with it from shut_from cells on.
+  void update(const BodySurface& sheet, const CellWidth& cell_width, const Clearance& clearance = {});
 
   /// The sheet's corners and triangles first, then those of the strip.
   const BodySurface& surface() const { return surface_; }
@@ -94,6 +98,7 @@ class EdgeStrip {
   double concave_limit(const Root& root) const;
   double free_reach(const Root& root, const Point& direction, double reach) const;
   void place(const Root& root, const CellWidth& cell_width);
+  void shut(const CellWidth& cell_width, const Clearance& clearance);
 
   template <class At>
   MovingPoint outward(int edge, const At& at) const;
@@ -107,6 +112,7 @@ class EdgeStrip {
   std::vector<Edge> edge_;
   std::vector<Root> root_;      // attached ones first: the others may hang on their corners
   std::vector<double> reach_;   // of each strip corner [m]
+  std::vector<double> ajar_;    // of each corner: 1, and less on an edge near an obstacle, a factor of openings
   std::vector<NearEdge> near_;  // corners of the sheet and the edges that may open them
 };
 

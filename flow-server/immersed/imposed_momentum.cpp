@@ -17,15 +17,15 @@ class ReactionOnWalls {
   void add_hybrid(const ForcedFace& forced, double density) {
     const int d = forced.value.component;
     const auto& [i, j, k] = forced.value.face;
-    const double slip = WallLayer::value_of(forced.value, state_.velocity[d]) - state_.velocity[d](i, j, k);
+    const double slip = bodies_.layer().imposed(forced.value, state_.velocity[d]) - state_.velocity[d](i, j, k);
     const double volume = share_of_middle(d, forced.value.face) * volume_of(d, forced.value.face);
     add(forced.surface, d, forced.value.face, -density * volume * forced.share * slip / state_.last_step);
   }
 
   void add_piece(const CutFace& face, const FacePiece& piece, const WallValue& ghost) {
     const int d = face.direction;
-    const double difference = bodies_.pieces().slope(face, piece, state_.pressure, bodies_.piece_pressure) -
-                              slope_at_image(d, ghost.image[0]);
+    const double difference =
+        bodies_.pieces().slope(face, piece, state_.pressure, bodies_.piece_pressure) - slope_imposed(ghost);
     add(piece.surface, d, face.face, -(1 - piece.opening) * piece.share * volume_of(d, face.face) * difference);
   }
 
@@ -54,16 +54,25 @@ class ReactionOnWalls {
     return share;
   }
 
-  double slope_at_image(int d, const WallImage& image) const {
+  /// What WallLayer::imposed() is to velocities, of the slopes of the pressure; of the nearer image alone.
+  double slope_imposed(const WallValue& value) const {
+    const WallImage& near = value.image[0];
     double slope = 0;
-    for (unsigned n = 0; n < image.weight.size(); ++n) {
-      if (image.weight[n] == 0) continue;
-      const Triple face{image.base[0] + (n & 1u ? 1 : 0), image.base[1] + (n & 2u ? 1 : 0),
-                        image.base[2] + (n & 4u ? 1 : 0)};
-      slope += image.weight[n] * bodies_.pieces().slope_at(d, face, state_.pressure, bodies_.piece_pressure);
-    }
-    const double seen = image.seen();
-    return seen > 0 ? slope / seen : 0;
+    for (unsigned n = 0; n < near.weight.size(); ++n)
+      if (near.weight[n] != 0)
+        slope += near.weight[n] *
+                 slope_at(value.component, {near.base[0] + (n & 1u ? 1 : 0), near.base[1] + (n & 2u ? 1 : 0),
+                                            near.base[2] + (n & 4u ? 1 : 0)});
+    const double seen = near.seen();
+    if (seen > 0) slope /= seen;
+    if (value.room >= 1) return slope;
+    double beside = 0;
+    for (const Triple& face : bodies_.layer().beside(value)) beside += slope_at(value.component, face);
+    return value.room * slope + (1 - value.room) * beside / value.n_beside;
+  }
+
+  double slope_at(int d, const Triple& face) const {
+    return bodies_.pieces().slope_at(d, face, state_.pressure, bodies_.piece_pressure);
   }
 
   /// A force along d at the wall's point nearest to the middle of a face, on corners by the weights with which they

@@ -128,8 +128,13 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
   move_to(0);
 }
 
-void MovingSurface::update() {
-  if (strip_) strip_->update(body_, [this](const Point& point) { return cell_width(point); });
+void MovingSurface::update(std::span<const EdgeObstacle> obstacles) {
+  if (strip_)
+    strip_->update(
+        body_, [this](const Point& point) { return cell_width(point); },
+        [&](const Point& from, const Point& direction) {
+          return edge_clearance(*grid_, obstacles, from, direction, cell_width(from));
+        });
   if (thick_) thick_->update(body_);
 }
 
@@ -142,6 +147,10 @@ void MovingSurface::follow(const surface::NodeArray& node_position, const surfac
   tessellation_.interpolate(node_position, body_.position);
   tessellation_.interpolate(node_velocity, body_.velocity);
   update();
+}
+
+void MovingSurface::shut_edges_before(std::span<const EdgeObstacle> obstacles) {
+  update(obstacles);
 }
 
 const BodySurface& MovingSurface::surface() const {

@@ -8,6 +8,7 @@
 
 #include "flow-server/grid/stretched_grid.hpp"
 #include "flow-server/immersed/body_setup.hpp"
+#include "flow-server/immersed/edge_clearance.hpp"
 #include "flow-server/immersed/edge_strip.hpp"
 #include "flow-server/immersed/surface_tessellation.hpp"
 #include "flow-server/immersed/surface_topology.hpp"
@@ -35,6 +36,11 @@ class MovingSurface {
   /// Node by node, by what moves the body: (n_nodes, 3) [m], [m/s].
   void follow(const surface::NodeArray& node_position, const surface::NodeArray& node_velocity);
 
+  /// The free edges of a sheet shut before the borders of the grid by themselves, before closed bodies when these are
+  /// given here, at the same time.
+  void shut_edges_before(std::span<const EdgeObstacle> obstacles);
+  bool has_opening_edges() const { return strip_.has_value(); }
+
   /// What cuts the grid: the body; a sheet with the strip beyond its edges, its own corners and triangles first; or a
   /// sheet that was made thick.
   const BodySurface& surface() const;
@@ -53,7 +59,7 @@ class MovingSurface {
   void gather_on_shown(std::vector<Point>& corner_force) const;
 
  private:
-  void update();
+  void update(std::span<const EdgeObstacle> obstacles = {});
   double cell_width(const Point& point) const { return cell_width_at(*grid_, point); }
 
   const StretchedGrid* grid_;

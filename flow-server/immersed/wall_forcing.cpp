@@ -25,7 +25,8 @@ double WallForcing::slope_of_face(const BodyGeometry& bodies, const Field<double
                                                    : bodies.pieces().slope_at(d, face, pressure, bodies.piece_pressure);
 }
 
-WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<double>& velocity) const {
+WallForcing::Imposed WallForcing::imposed(const WallLayer& layer, const WallValue& value,
+                                          const Field<double>& velocity) const {
   const WallImage& near = value.image[0];
   const Field<double>& slopes = slope_[value.component];
   const double* const g = slopes.row(near.base[1], near.base[2]) + near.base[0];
@@ -36,7 +37,9 @@ WallForcing::Imposed WallForcing::imposed(const WallValue& value, const Field<do
     slope += weight * g[(n & 1u ? 1 : 0) + (n & 2u ? slopes.stride_y() : 0) + (n & 4u ? slopes.stride_z() : 0)];
     sum += weight;
   }
-  return {WallLayer::value_of(value, velocity), sum > 0 ? slope / sum : 0};
+  if (sum > 0) slope /= sum;
+  if (value.room < 1) slope = value.room * slope + (1 - value.room) * layer.mean_beside(value, slopes);
+  return {layer.imposed(value, velocity), slope};
 }
 
 void WallForcing::take_slopes_of_images(const BodyGeometry& now, const Field<double>& pressure) {
@@ -48,22 +51,6 @@ void WallForcing::take_slopes_of_images(const BodyGeometry& now, const Field<dou
       from[d] = std::min(from[d], block_.sizes[d] + block_.ghosts[d] - 2);
       slope_[d](face[0], face[1], face[2]) = now.pieces().slope_between_cells(d, from, pressure);
     }
-}
-
-/// Neighbours that a face sees, as far as they are near walls and stayed on their side.
-std::vector<Triple> WallForcing::seen_beside(const BodyGeometry& now, const WallValue& value) const {
-  std::vector<Triple> seen;
-  const int c = value.component;
-  for (int e = 0; e < block_.n_dimensions; ++e)
-    for (const int step : {-1, 1}) {
-      Triple next = value.face;
-      next[e] += step;
-      if (!now.layer().is_known(c, next) || !now.layer().is_near(c, next) || now.layer().is_inside_body(c, next) ||
-          now.layer().sight().to_neighbour(c, value.face, e, step).blocked > 0)
-        continue;
-      seen.push_back(next);
-    }
-  return seen;
 }
 
 void WallForcing::mend_slopes(const BodyGeometry& before, double step_over_density, const Field<double>& pressure,
@@ -93,7 +80,6 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
 
   const std::vector<ForcedFace>& forced = now.layer().forced();
   share_.clear();
-  std::vector<std::pair<std::size_t, std::vector<Triple>>> beside;  // what faces that have changed see without an image
   now.changed_faces.clear();
   for (const ForcedFace& face : forced) {
     const int c = face.value.component, was = before.layer().find_forced(c, face.value.face);
@@ -101,10 +87,6 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
     const bool has_changed = old ? old->surface == face.surface && old->is_outer != face.is_outer
                                  : before.layer().is_inside_body(c, face.value.face);
     share_.push_back(has_changed ? face.closed : face.share);
-    if (has_changed && face.room < 1) {
-      std::vector<Triple> seen = seen_beside(now, face.value);
-      if (!seen.empty()) beside.emplace_back(share_.size() - 1, std::move(seen));
-    }
     if (has_changed) now.changed_faces.push_back({c, face.value.face, face.closed});
   }
   left_.resize(forced.size()), fresh_.resize(forced.size());
@@ -115,21 +97,9 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
   for (int round = 0; round < n_rounds; ++round) {
     halo.exchange(exchanged, reach);
     take_slopes_of_images(now, pressure);  // in ghosts too, which the exchange has overwritten
-    auto next_beside = beside.begin();
     for (std::size_t f = 0; f < forced.size(); ++f) {
-      const int c = forced[f].value.component;
       const double share = share_[f];
-      Imposed wall = imposed(forced[f].value, velocity[c]);
-      if (next_beside != beside.end() && next_beside->first == f) {
-        const std::vector<Triple>& seen = next_beside++->second;
-        Imposed mean{0, 0};
-        for (const Triple& face : seen) {
-          mean.velocity += velocity[c](face[0], face[1], face[2]);
-          mean.slope += slope_[c](face[0], face[1], face[2]);
-        }
-        const double n = static_cast<double>(seen.size()), room = forced[f].room;
-        wall = {room * wall.velocity + (1 - room) * mean.velocity / n, room * wall.slope + (1 - room) * mean.slope / n};
-      }
+      const Imposed wall = imposed(now.layer(), forced[f].value, velocity[forced[f].value.component]);
       fresh_[f] = {(1 - share) * left_[f].velocity + share * wall.velocity,
                    (1 - share) * left_[f].slope + share * wall.slope};
     }
@@ -142,7 +112,8 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
   halo.exchange(exchanged, reach);
   take_slopes_of_images(now, pressure);
   ghost_.clear();
-  for (const WallValue& value : now.layer().ghosts()) ghost_.push_back(imposed(value, velocity[value.component]));
+  for (const WallValue& value : now.layer().ghosts())
+    ghost_.push_back(imposed(now.layer(), value, velocity[value.component]));
   piece_shift_.assign(now.cut().pieces().size(), 0.0);
   for (const PieceShift& shift : now.layer().shifts()) {
     const Field<double>& u = velocity[shift.component];
@@ -173,7 +144,7 @@ void WallForcing::hold(const BodyGeometry& before, const BodyGeometry& now, doub
       const double weight = is_passed ? 1 : is_end ? elapsed : 1 - elapsed;
       const double share = is_passed && is_end ? face.closed : face.share;
       held_.push_back(
-          {face.value.component, face.value.face, weight * share * (WallLayer::value_of(face.value, u) - u(i, j, k))});
+          {face.value.component, face.value.face, weight * share * (here.imposed(face.value, u) - u(i, j, k))});
     }
   }
   for (const auto& [c, face, change] : held_) velocity[c](face[0], face[1], face[2]) += change;
@@ -221,12 +192,13 @@ void WallForcing::find_opening_flow(const BodyGeometry& now, double step_over_de
       const double conductance = now.pieces().conductance(wall, cell.cell, now.surfaces());
       if (conductance == 0) continue;
       double flow = 0;
-      for (int d = 0; d < block_.n_dimensions; ++d) {
-        Triple start = cell.cell;
-        --start[d];
-        flow += wall.opening * wall.area[d] * 0.5 *
-                (slope_of_face(now, pressure, d, start) + slope_of_face(now, pressure, d, cell.cell));
-      }
+      for (int d = 0; d < block_.n_dimensions; ++d)
+        for (const int back : {0, 1}) {
+          Triple face = cell.cell;
+          face[d] -= back;
+          if (!block_.faces[d].contains(face[0], face[1], face[2])) continue;  // its velocity is given
+          flow += wall.opening * wall.area[d] * 0.5 * slope_of_face(now, pressure, d, face);
+        }
       const auto side = [&](int part) { return now.pieces().value_at(part, cell.cell, pressure, now.piece_pressure); };
       opening_flow_[static_cast<std::size_t>(w)] =
           step_over_density * (flow - conductance * (side(wall.outer_part) - side(wall.inner_part)));

@@ -51,17 +51,16 @@ class WallForcing {
   const std::vector<double>& piece_shift() const { return piece_shift_; }
 
  private:
-  /// The wall value of u* and of its slope.
+  /// The wall value of u* and of its slope, or what holds beside it.
   struct Imposed {
     double velocity, slope;
   };
-  Imposed imposed(const WallValue& value, const Field<double>& velocity) const;
+  Imposed imposed(const WallLayer& layer, const WallValue& value, const Field<double>& velocity) const;
   /// Slopes of faces that images need beside those near walls.
   void take_slopes_of_images(const BodyGeometry& now, const Field<double>& pressure);
   double slope_of_face(const BodyGeometry& bodies, const Field<double>& pressure, int d, const Triple& face) const;
   void find_opening_flow(const BodyGeometry& now, double step_over_density, const Field<double>& pressure);
   bool is_mine(int d, const Triple& face) const;
-  std::vector<Triple> seen_beside(const BodyGeometry& now, const WallValue& value) const;
 
   const FlowBlock& block_;
   VectorField slope_;                  // g on faces near walls and those of images [Pa/m]

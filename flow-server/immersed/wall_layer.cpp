@@ -16,11 +16,24 @@ constexpr double reach_of_ghosts = 3;
 constexpr double chord_sagitta = 0.2;
 /// Weights that sum to no more than this are none to speak of.
 constexpr double hidden = 0.2;
+/// In gaps the blend shrinks, so that at least one cell of it is left to the equations, to this share of itself; and
+/// images stand in the middle, no nearer to the place they are for, or to the wall of a ghost, than this [cells].
+constexpr double narrowest_blend = 0.25, nearest_image = 0.5, nearest_image_of_ghost = 0.75;
 /// Blocked by more than this a link is none for interpolation.
 constexpr double blocks = 0.5;
 
 Eigen::Vector3d vector(const Point& point) {
   return {point[0], point[1], point[2]};
+}
+
+/// What gaps of some cells' width leave room for: an image on either side from 2 cells on, none below 1.
+double room_in(double gap) {
+  return std::clamp(gap - 1, 0.0, 1.0);
+}
+
+/// And for the farther image of a parabola, at `far` cells from the wall: it is to lie two cells before the other one.
+double room_for_far(double gap, double far) {
+  return std::clamp(0.5 * (gap - far), 0.0, 1.0);
 }
 
 }  // namespace
@@ -52,7 +65,8 @@ void WallLayer::update(std::span<const BodySurface> surfaces, std::span<const Su
     for (const std::vector<Triple>* faces : {&near_faces_[c], &image_faces_[c]})
       for (const Triple& face : *faces) entry(c, face) = {};
   for (const WallValue& ghost : ghosts_) entry(ghost.component, ghost.face) = {};
-  links_.clear();
+  links_.clear(), beside_.clear();
+  clearness_.assign(2 * cut_.cells().size(), Clearness::unknown);
   forced_.clear(), ghosts_.clear(), ghost_side_.clear(), solid_.clear(), rows_.clear();
   sight_.update();
   collect_faces();
@@ -228,11 +242,8 @@ void WallLayer::add_face(int component, const Triple& face) {
   for (int d = 0; d < block_.n_dimensions; ++d)
     widest = std::max(widest, (1 + 1e-9) / block_.axis[d].inverse_distance[face[d]]);
   const double reach = reach_of_ghosts * spacing(face, Eigen::Vector3d::Ones());
-  const ClosestPoint closest = is_solid
-                                   ? nearest_.on_any(
-                                         at, [reach](const BodySurface&) { return reach; }, nearby)
-                                   : nearest_.on_any(
-                                         at, [&](const BodySurface& wall) { return blend_of(wall) * widest; }, nearby);
+  const ClosestPoint closest = nearest_.that_counts(
+      at, [&](const BodySurface& wall) { return is_solid ? reach : blend_of(wall) * widest; }, nearby);
   if (!closest.is_found()) return;
   const BodySurface& surface = nearest_.surface(closest.surface);
   value.wall_velocity = nearest_.velocity(closest, component);
@@ -249,26 +260,46 @@ void WallLayer::add_face(int component, const Triple& face) {
   else
     away = is_outer ? normal : Eigen::Vector3d(-normal);
   const double width = spacing(face, away);
-  const double blend = blend_of(surface) * width;
-  if (distance >= blend) return;
+  const double blend = blend_of(surface);
   const double closed = 1 - nearest_.opening(closest);
-  const double share = (1 - distance / blend) * closed;
-  if (share <= 0) return;
-  const double beyond = settings_.image_distance * width;
-  double room = 0;
+  if (distance >= blend * width || closed <= 0) return;
+  const double gap = gap_before(closest, away, width, widest_gap(blend), nearby, face);
+  const double narrowed = std::clamp(0.5 * (gap - 1), narrowest_blend * blend, blend);
+  const double share = std::max(1 - distance / (narrowed * width), 0.0) * closed;
+  const double beyond = std::clamp(0.5 * gap - distance / width, nearest_image, settings_.image_distance) * width;
+  double seen = 0;
   // Chords are not the surface itself: a face that all but touches it may stand on the side from which it looks away.
   for (const double sign : {1.0, -1.0}) {
-    if (room > hidden || (sign < 0 && distance > chord_sagitta * width)) continue;
-    set_images(value, vector(closest.position), sign * away, sign * distance, sign * distance + beyond, face);
-    room = value.image[0].seen();
+    if (seen > hidden || (sign < 0 && distance > chord_sagitta * width)) continue;
+    const double near = sign * distance + beyond;
+    set_images(value, vector(closest.position), sign * away, sign * distance, near,
+               room_for_far(gap, far_over_near * near / width), face);
+    seen = value.image[0].seen();
     if (sign < 0 && !surface.is_closed) is_outer = !is_outer;
   }
   add_image_faces(value);
-  // Where another wall leaves no room for an image the equations stay, with ghosts on both sides: to impose the wall's
-  // velocity step by step would be a resistance that grows with the number of steps.
-  room = std::clamp(2.5 * room - 0.5, 0.0, 1.0);
-  forced_.push_back({value, share * room, closed, room, closest.surface, is_outer});
+  const double room = std::min(std::clamp(2.5 * seen - 0.5, 0.0, 1.0), room_in(gap));
+  if (room < 1)
+    set_room(value, room, fluid_neighbours(component, face, [&](const Triple&, int e, int step) {
+               return sight_to(component, face, e, step).blocked <= 0;
+             }));
+  forced_.push_back({value, share, closed, closest.surface, is_outer});
   entry(component, face).forced = static_cast<int>(forced_.size());
+}
+
+/// Those of a face in the fluid near walls for which `wanted` holds: it is given the neighbour, its direction and side.
+template <class Wanted>
+WallLayer::Neighbours WallLayer::fluid_neighbours(int component, const Triple& face, const Wanted& wanted) const {
+  Neighbours neighbours;
+  for (int e = 0; e < block_.n_dimensions; ++e)
+    for (const int step : {-1, 1}) {
+      Triple next = face;
+      next[e] += step;
+      if (!is_known(component, next)) continue;
+      if ((entry(component, next).marks & (near_wall | inside_body)) != near_wall || !wanted(next, e, step)) continue;
+      neighbours.face[static_cast<std::size_t>(neighbours.n++)] = next;
+    }
+  return neighbours;
 }
 
 int WallLayer::ghost(int component, const Triple& face, int surface, bool is_outer) {
@@ -294,22 +325,17 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
       towards *= (is_behind ? 1 : -1) / closest.distance;
     else
       towards = normal;
-    const double beyond = settings_.image_distance * spacing(face, towards);
+    const double width = spacing(face, towards);
+    const double gap = gap_before(closest, towards, width, widest_gap(0), entry(component, face).walls, face);
+    const double near = std::clamp(0.5 * gap, nearest_image_of_ghost, settings_.image_distance);
     // From a neighbour that looks through the wall from that side.
-    const Eigen::Vector3d image = vector(closest.position) + beyond * towards;
-    Triple from = face;
-    bool has_from = false;
-    for (int e = 0; e < block_.n_dimensions && !has_from; ++e)
-      for (const int step : {-1, 1}) {
-        Triple neighbour = face;
-        neighbour[e] += step;
-        if (has_from || !is_known(component, neighbour) || (entry(component, neighbour).marks & inside_body) != 0)
-          continue;
-        const Sight sight = sight_to(component, neighbour, e, -step);
-        if (sight.blocked < blocks || sight.surface != surface || sight.is_outer != is_outer) continue;
-        from = neighbour, has_from = true;
-      }
-    if (!has_from) {
+    const Eigen::Vector3d image = vector(closest.position) + near * width * towards;
+    const Neighbours looking = fluid_neighbours(component, face, [&](const Triple& neighbour, int e, int step) {
+      const Sight sight = sight_to(component, neighbour, e, -step);
+      return sight.blocked >= blocks && sight.surface == surface && sight.is_outer == is_outer;
+    });
+    Triple from = looking.n > 0 ? looking.face[0] : face;
+    if (looking.n == 0) {
       // Seen across a corner only: from the face nearest to the image.
       for (int d = 0; d < block_.n_dimensions; ++d) {
         const AxisValues& places = d == component ? block_.axis[d].face : block_.axis[d].centre;
@@ -318,8 +344,10 @@ int WallLayer::ghost(int component, const Triple& face, int surface, bool is_out
       }
       if (!is_known(component, from)) from = face;
     }
-    set_images(value, vector(closest.position), towards, (is_behind ? -1 : 1) * closest.distance, beyond, from);
+    set_images(value, vector(closest.position), towards, (is_behind ? -1 : 1) * closest.distance, near * width,
+               room_for_far(gap, far_over_near * near), from);
     add_image_faces(value);
+    set_room(value, room_in(gap), looking);
   }
   ghosts_.push_back(value);
   return static_cast<int>(ghosts_.size()) - 1;

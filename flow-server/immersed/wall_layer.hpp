@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "flow-server/immersed/line_of_sight.hpp"
@@ -34,6 +35,10 @@ struct WallValue {
   int component = 0;
   Triple face;
   double wall_velocity = 0;  // [m/s]
+  /// 0 in a gap too narrow for an image: what is imposed there is (1 - room) of the mean of the faces beside the place,
+  /// WallLayer::beside().
+  double room = 1;
+  int first_beside = 0, n_beside = 0;
   std::array<WallImage, 2> image;
 };
 
@@ -43,8 +48,6 @@ struct ForcedFace {
   WallValue value;
   double share = 0;   // 1 at the wall, 0 from the blend's width on
   double closed = 1;  // share of the surface that is closed: less than 1 at a smooth free edge; a factor in `share`
-  double room =
-      1;  // sum of the near image's weights, 1 at most: less where another wall is near; a factor in `share` too
   int surface = 0;
   bool is_outer = false;
 };
@@ -105,6 +108,15 @@ class WallLayer {
   /// Of pieces of faces of this rank's cells.
   const std::vector<PieceShift>& shifts() const { return shifts_; }
   static double value_of(const WallValue& value, const Field<double>& velocity);
+  /// Faces of the same component next to a place where there is not enough room for its wall value: those that a forced
+  /// face sees, and those that look at a ghost through its wall.
+  std::span<const Triple> beside(const WallValue& value) const {
+    return std::span(beside_).subspan(static_cast<std::size_t>(value.first_beside),
+                                      static_cast<std::size_t>(value.n_beside));
+  }
+  /// What is imposed: the wall value, or the mean of those beside it, of which there is one at least.
+  double imposed(const WallValue& value, const Field<double>& velocity) const;
+  double mean_beside(const WallValue& value, const Field<double>& field) const;
   /// u_image - U_wall.
   static double rise_to(const WallImage& image, double wall_velocity, const Field<double>& velocity);
 
@@ -125,6 +137,8 @@ class WallLayer {
   WallImage image_at(int component, const Eigen::Vector3d& point, const Triple& from) const;
 
  private:
+  /// Distances of the images from the wall: a cell apart. Farther ones would need more layers of neighbours' cells.
+  static constexpr double far_over_near = 5.0 / 3;
   static constexpr std::uint8_t inside_body = 8, near_wall = 16, of_whole_cells = 32, for_images = 64;
   /// Those that keep nothing from sight.
   static constexpr std::uint8_t free_marks = near_wall | of_whole_cells | for_images;
@@ -145,11 +159,16 @@ class WallLayer {
   const FaceEntry& entry(int component, const Triple& face) const {
     return entry_[component](face[0], face[1], face[2]);
   }
+  enum class Clearness : std::uint8_t { unknown, clear, not_clear };
   /// Through which side of which surface a ghost is seen, and the one made of the same face before, counted from 1.
   struct GhostSide {
     int surface;
     bool is_outer;
     int before;
+  };
+  struct Neighbours {
+    int n = 0;
+    std::array<Triple, 6> face;
   };
   /// The ghost of a face as it is seen from that side of a surface; made when it is asked for the first time.
   int ghost(int component, const Triple& face, int surface, bool is_outer);
@@ -164,7 +183,16 @@ class WallLayer {
   double blend_of(const BodySurface& surface) const;
   bool is_beyond_border(int component, const Triple& face) const;
   void set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
-                  double near, const Triple& from) const;
+                  double near, double room_for_far, const Triple& from) const;
+  /// Wider gaps [cells] change nothing of a face within the blend's width, nor of a ghost (blend 0).
+  double widest_gap(double blend) const { return far_over_near * (blend + settings_.image_distance) + 2; }
+  double gap_before(const ClosestPoint& wall, const Eigen::Vector3d& away, double width, double most,
+                    const NearbyWalls& nearby, const Triple& near_cell);
+  bool is_clear_before(const CutCell& cell, int surface, bool is_outer);
+  Triple cell_of(const Eigen::Vector3d& point, Triple cell) const;
+  template <class Wanted>
+  Neighbours fluid_neighbours(int component, const Triple& face, const Wanted& wanted) const;
+  void set_room(WallValue& value, double room, const Neighbours& beside);
   void weigh_seen_faces(int component, WallImage& image, const Eigen::Vector3d& place, const Triple& from,
                         int detour) const;
   bool is_all_free(int component, const Box& faces) const;
@@ -189,6 +217,8 @@ class WallLayer {
   std::vector<WallValue> ghosts_, solid_;
   std::vector<CutRow> rows_;
   std::vector<GhostSide> ghost_side_;  // of each ghost
+  std::vector<Triple> beside_;
+  std::vector<Clearness> clearness_;  // before the inner and the outer side of the wall in each cut cell
   std::vector<int> ghost_of_piece_;
   std::vector<PieceShift> shifts_;
 };

@@ -13,8 +13,6 @@ namespace {
 constexpr double nearly_all = 0.95;
 /// Where less of an image is seen no parabola is drawn through it.
 constexpr double least_seen = 0.75;
-/// Distances of the images from the wall: a cell apart. Farther ones would need more layers of neighbours' cells.
-constexpr double far_over_near = 5.0 / 3;
 
 }  // namespace
 
@@ -52,21 +50,22 @@ WallImage WallLayer::image_at(int c, const Eigen::Vector3d& point, const Triple&
 }
 
 /// The images of a value at `distance` from the nearest point of a wall along `away`, negative behind it; the first one
-/// at the distance `near`.
+/// at the distance `near`. `room_for_far`: 0 where a straight line is to do without the second one.
 void WallLayer::set_images(WallValue& value, const Eigen::Vector3d& wall, const Eigen::Vector3d& away, double distance,
-                           double near, const Triple& from) const {
+                           double near, double room_for_far, const Triple& from) const {
   value.image[0] = image_at(value.component, wall + near * away, from);
   value.image[0].ratio = distance / near;
   value.image[1] = {};
-  if (value.image[0].seen() <= least_seen) return;
+  if (value.image[0].seen() <= least_seen || room_for_far <= 0) return;
   constexpr double b = far_over_near;
   WallImage far = image_at(value.component, wall + b * near * away, from);
   const double trust = (std::min(far.seen(), value.image[0].seen()) - least_seen) / (1 - least_seen);
   if (trust <= 0) return;
   // Lagrange's parabola through 0, 1 and b.
   const double s = distance / near, parabola = s * (b - s) / (b - 1);
-  value.image[0].ratio += std::min(trust, 1.0) * (parabola - s);
-  far.ratio = std::min(trust, 1.0) * s * (s - 1) / (b * (b - 1));
+  const double share = std::min(trust, 1.0) * room_for_far;
+  value.image[0].ratio += share * (parabola - s);
+  far.ratio = share * s * (s - 1) / (b * (b - 1));
   value.image[1] = far;
 }
 

@@ -78,11 +78,8 @@ TEST_P(MovingStages, FindTheForcesOfAdamsBashforth) {
     const Forces memory = forces_of(GetParam(), TimeScheme::adams_bashforth, dt);
     pressure[level] = distance_between(stages.pressure, memory.pressure);
     viscous[level] = distance_between(stages.viscous, memory.viscous);
-                roughness(stages.pressure, 10), roughness(memory.pressure, 10));
-                for (size_t q = 30; q < stages.viscous.size(); q += stages.viscous.size() / 24)
-                  std::printf("%zu %g %g\n", q, stages.viscous[q], memory.viscous[q]);
-                RecordProperty("pressure_" + std::to_string(level), std::to_string(pressure[level]));
-                RecordProperty("viscous_" + std::to_string(level), std::to_string(viscous[level]));
+    RecordProperty("pressure_" + std::to_string(level), std::to_string(pressure[level]));
+    RecordProperty("viscous_" + std::to_string(level), std::to_string(viscous[level]));
   }
   // Measured 0.20, 0.08 % (cylinder) and 0.24, 0.13 % (sheet) of the pressure's force, 0.8, 0.3 and 0.3, 0.2 % of the
   // viscous one, whose own roughness at the free edge is 0.2 %. With walls that stand still within a step it is 1.2 and

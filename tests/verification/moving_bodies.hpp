@@ -55,8 +55,10 @@ class EdgedSheets {
   EdgedSheets(double cell_width, double depth) : cell_width_(cell_width), depth_(depth) {}
 
   /// Number `sheet` in its present place. Edges for which is_attached holds meet a wall there and go on beyond it.
+  /// `clearance`: before what free edges shut.
   BodySurface prolonged(std::size_t sheet, const BodySurface& surface,
-                        const std::function<bool(const Point&)>& is_attached = {}) {
+                        const std::function<bool(const Point&)>& is_attached = {},
+                        const EdgeStrip::Clearance& clearance = {}) {
     const auto width = [this](const Point&) { return cell_width_; };
     if (sheet >= strips_.size()) {
       BodySurface turned = surface;
@@ -69,7 +71,7 @@ class EdgedSheets {
       strips_.push_back(
           std::make_unique<EdgeStrip>(surface, topology.free_edge, attached, EdgeRamp{}, 3 * cell_width_, width));
     }
-    strips_[sheet]->update(surface, width);
+    strips_[sheet]->update(surface, width, clearance);
     return strips_[sheet]->surface();
   }
 

@@ -76,6 +76,25 @@ TEST(EdgeStrip, ProlongsASheetInTwoDimensionsAlongItself) {
   }
 }
 
+TEST(EdgeStrip, ShutsInProportionBeforeAnObstacle) {
+  const std::vector<BorderPlane> planes = {{2, 0}, {2, 1}};
+  const Sheet sheet(make_sheet_prism({{0, 0}, {0, 3}}, {}, 0.05), planes);
+  EdgeStrip strip = sheet.strip();
+  const BodySurface open = strip.surface();
+  for (const double ajar : {1.5, 0.3, 0.0}) {
+    // Above the upper end; the lower one has nothing before it.
+    const auto clearance = [&](const Point&, const Point& direction) {
+      EXPECT_NEAR(std::abs(direction[1]), 1, 1e-12);
+      return direction[1] > 0 ? ajar * EdgeRamp{}.shut_from * h : 1e9;
+    };
+    strip.update(sheet.surface, width, clearance);
+    const BodySurface& shut = strip.surface();
+    EXPECT_EQ(shut.position, open.position);
+    for (std::size_t c = 0; c < open.position.size(); ++c)
+      EXPECT_NEAR(shut.opening[c], (open.position[c][1] > 1.5 ? std::min(ajar, 1.0) : 1) * open.opening[c], 1e-12);
+  }
+}
+
 TEST(EdgeStrip, LeavesNoWedgeAtConvexCorners) {
   const Sheet sheet(make_rectangle({0, 0, 0}, {2, 0, 0}, {0, 1, 0}, 0.08));
   const EdgeStrip strip = sheet.strip();

@@ -72,7 +72,7 @@ TEST_P(BesideAPlane, ValuesOfALinearVelocityAreExact) {
     if (!is_inner) continue;
     ++n_inner;
     EXPECT_NEAR(sum_of(value), 1, 1e-14);
-    EXPECT_EQ(forced.room, 1);
+    EXPECT_EQ(forced.value.room, 1);
     // Falls linearly over one cell, measured along the normal; cells are cubes.
     EXPECT_NEAR(forced.share, 1 - std::abs(away) / h, 1e-12);
   }
@@ -134,7 +134,7 @@ TEST(WallLayer, AGapOfOneCellGivesNoImageAcross) {
     if (!is_inner) continue;
     ++n_in_gap;
     EXPECT_LE(std::abs(WallLayer::value_of(value, placed.velocity[value.component])), 1 + 1e-12);
-    EXPECT_LT(forced.room, 1);
+    EXPECT_LT(forced.value.room, 1);
     EXPECT_LE(forced.share, 1 - std::min(away, h - away) / h + 1e-12);
   }
   EXPECT_GT(n_in_gap, 50);
