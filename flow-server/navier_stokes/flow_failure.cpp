@@ -111,15 +111,4 @@ void refuse_leaving_body(const StretchedGrid& grid, const BodySurface& body, dou
                               "end the run before, or give it a longer grid");
 }
 
-void refuse_closed_inflow(double defect, double net_inflow, double time) {
-  constexpr double about = 0.5;  // walls that close the way move themselves
-  const double inflow = std::abs(net_inflow);
-  if (inflow == 0 || std::abs(defect - inflow) > about * inflow) return;
-  throw report::NumericsError(
-      "flow borders at t = " + text(time) + " s",
-      "of a net " + text(net_inflow) + " m^3/s through borders with a prescribed velocity " + text(defect) +
-          " m^3/s have no way out: bodies close off the fluid there",
-      "leave a gap, end the run before the bodies close, or prescribe a pressure at the inflow");
-}
-
 }  // namespace couplet::flow

@@ -18,9 +18,4 @@ void require_finite(const FlowBlock& block, const VectorField& velocity, double 
 /// Throws NumericsError: a body moves through an open border, the one that it has come nearest to.
 [[noreturn]] void refuse_leaving_body(const StretchedGrid& grid, const BodySurface& body, double time);
 
-/// Throws NumericsError where what flows in through borders of prescribed velocity, `net_inflow`, ends in a part of the
-/// fluid that bodies close off: `defect` is the largest inflow into such a part, which no pressure can balance [m^3/s].
-/// What the walls of a small closed part press together is no such thing: both must be about the same.
-void refuse_closed_inflow(double defect, double net_inflow, double time);
-
 }  // namespace couplet::flow

@@ -99,7 +99,6 @@ PressureCorrection::Result PressureCorrection::correct_step(const FlowState& fro
   if (!std::isfinite(measure.divergence_sum)) require_finite(block_, to.velocity, to.time);
   if (measure.leaving > 0)
     refuse_leaving_body(*block_.grid, to.bodies->surfaces()[static_cast<std::size_t>(measure.leaving) - 1], to.time);
-  refuse_closed_inflow(result.solved.largest_defect * dt / setup_.density, border_.net_inflow(), to.time);
   if (measure.divergence * smallest_width_ > largest_divergence * std::max(measure.speed, speed_at_rest))
     throw report::NumericsError("pressure at t = " + text(to.time) + " s",
                                 "leaves a divergence of " + text(measure.divergence) + " 1/s in a flow of " +

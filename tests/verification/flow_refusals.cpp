@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "proto/report/failure.hpp"
-#include "tests/unit/flow-server/immersed/test_surfaces.hpp"
 #include "tests/verification/flow_cases.hpp"
 
 namespace couplet::flow {
@@ -48,24 +47,6 @@ TEST(RefusedFlow, WithNetInflowAndNoWayOutNamesTheNumber) {
   const AdvanceReport report = flow.advance(start, 0.1, end);
   EXPECT_DOUBLE_EQ(report.net_inflow, 0.5);
   EXPECT_LE(report.largest_speed, 1e-12);  // nothing is left of an inflow that has no way out
-}
-
-TEST(RefusedFlow, WithASheetThatClosesTheWayOfTheInflow) {
-  NavierStokesSetup setup = filled_box(0.25);
-  setup.border[0][1] = {FacePatch{.name = "outlet", .condition = PressureOpening{SpaceTimeValue(0.0)}}};
-  setup.pressure.relative_tolerance = 1e-3;  // as scenes have it
-  const auto steps_with = [&](double height) {
-    setup.bodies = [=](double) {
-      return std::vector<BodySurface>{flat_sheet({0.53, -1, -1}, {0, height + 1, 0}, {0, 0, 3}, 4)};
-    };
-    const BlockDecomposition blocks = decompose(setup.grid);
-    FractionalStep flow(setup, blocks);
-    FlowState start = flow.initial_state(), end;
-    flow.advance(start, 0.01, end);
-  };
-  EXPECT_THAT(complaint_of<report::NumericsError>([&] { steps_with(3); }),
-              AllOf(HasSubstr("of a net 0.5 m^3/s"), HasSubstr("no way out: bodies close off the fluid")));
-  EXPECT_NO_THROW(steps_with(1));  // half of the way is open
 }
 
 TEST(RefusedFlow, WithANumberThatIsNoneInATimeTableNamesPatchAndTime) {
