@@ -38,7 +38,7 @@ class BodySurfaces {
   /// start, behind its end as at its end.
   std::vector<BodySurface> at(double time);
 
-  /// Moves a body from outside: sets the end of the step, as often as it is tried. Places that differ by less than 1e-4
+  /// Moves a body from outside: sets the end of the step, as often as it is tried. Places that differ by less than 1e-3
   /// cells from those of the trial before are left as they were, velocities are not: the force jumps where a
   /// surface leaves a cell, and iterations between flow and solid that come to stand there would go to and fro for
   /// ever. Throws SceneError where the setup prescribes another motion, and for a time that is not behind the start.
