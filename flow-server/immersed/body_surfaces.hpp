@@ -20,9 +20,9 @@ struct NodalMotion {
 
 /// A body moves as its setup prescribes, or from outside: then the motion of its nodes is given at the end of each
 /// step. Between start and end of a step each node follows the cubic that has the given places and velocities at both
-/// (Hermite), so that the velocity is the exact rate of the place at all times and does not jump from one of several
-/// steps of the flow to the next: a jump of the wall's velocity would be a spike of pressure of the size of 1 / dt.
-/// For a flow that takes the step at once the end alone counts, as it was given.
+/// (Hermite), and its velocity changes in proportion to the time: it does not jump from one of several steps of the
+/// flow to the next, which would be a spike of pressure of the size of 1 / dt, and the wall's acceleration is that of
+/// the whole step in each. For a flow that takes the step at once the end alone counts, as it was given.
 class BodySurfaces {
  public:
   /// Triangles where the setup gives no largest side have half the smallest cell around the body, attached edges go on
