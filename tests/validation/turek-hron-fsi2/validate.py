@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Turek-Hron FSI2: a heavy elastic flag swings widely: tip, drag and lift on finer and finer grids (about 2 core hours; no --quick)."""
+"""Turek-Hron FSI2: a heavy elastic flag swings widely: tip, drag and lift on finer and finer grids (estimated: 20 core minutes; no --quick)."""
 
 import sys
 from pathlib import Path
