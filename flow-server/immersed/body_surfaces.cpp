@@ -41,7 +41,9 @@ BodySetup completed(BodySetup setup, const StretchedGrid& grid) {
   return setup;
 }
 
-/// What a body may miss of the places it is given in the iterations of a step, in smallest cells around it.
+/// What a body may miss of the places it is given in the iterations of a step, in smallest cells around it. A flag
+/// whose end passes a plane of the grid takes 9 iterations in that step; with a tenth of it 16, with a hundredth up to
+/// 44, and on other ranks others. A hundredth of a cell changes nothing more.
 constexpr double share_of_cell_kept = 1e-3;
 
 /// Steps of the flow that are summed arrive at the end of theirs but for round-off: as a share of the whole.

@@ -13,7 +13,7 @@ namespace couplet::flow {
 /// only. The projection takes that error m back, with a pressure of the order rho m / dt in the cells at the wall: the
 /// fluid beyond them feels nothing of it, as a force of the walls' on the fluid stands against it. The force of the
 /// pressure alone therefore grows like 1 / dt - on a cylinder of 12.5 cells a diameter by 13 % at a Courant number of
-/// 0.03 - and with the reaction to what was imposed does not. It is, for each velocity of the volume V that it stands
+/// 0.016 - and with the reaction to what was imposed does not. It is, for each velocity of the volume V that it stands
 /// for in the pressure problem (area of its piece of the face times the distance of the cells' middles),
 ///     hybrid:          F = -rho V share (u_wall value - u) / dt,
 /// u_wall value being what the wall would impose on the flow at the end of the step. For pieces that take the
