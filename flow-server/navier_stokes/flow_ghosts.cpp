@@ -28,6 +28,13 @@ void FlowGhosts::fill(VectorField& velocity) {
   border_.fill_velocity_ghosts(velocity);
 }
 
+void FlowGhosts::fill_deep(VectorField& velocity, const std::vector<Field<double>*>& along) {
+  if (has_borders_) fill(velocity);
+  std::vector<Field<double>*> fields = pointers(velocity);
+  fields.insert(fields.end(), along.begin(), along.end());
+  exchange_.exchange(fields, axis_margin);
+}
+
 void FlowGhosts::fill(FlowState& state) {
   std::vector<Field<double>*> fields = pointers(state.velocity);
   fields.push_back(&state.pressure);
