@@ -7,10 +7,9 @@
 
 namespace couplet::flow {
 
-/// Collective. Fills four layers of ghosts of a velocity, those beyond borders too, and what neighbours own of fields
-/// that go along. Images near a border stand between the faces inside and those beyond it, beside a neighbour in its
-/// own.
-using FillGhosts = std::function<void(VectorField& velocity, const std::vector<Field<double>*>& along)>;
+/// Collective. Fills four layers of ghosts, those beyond borders too, of a velocity and, unless null, of something that
+/// changes it. Images near a border stand between the faces inside and those beyond it, beside a neighbour in its own.
+using FillGhosts = std::function<void(VectorField& velocity, VectorField* change)>;
 
 /// A predicted velocity u* = u^ - (dt / rho) g, where g is the slope of some pressure: near walls both are known, so
 /// that the slope can be exchanged for that of another pressure. What walls impose holds at the end of the step, when

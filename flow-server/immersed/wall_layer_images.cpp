@@ -76,11 +76,31 @@ void WallLayer::add_image_faces(const WallValue& value) {
     if (image.weight[n] == 0) continue;
     const Triple face{image.base[0] + static_cast<int>(n & 1u), image.base[1] + static_cast<int>((n >> 1) & 1u),
                       image.base[2] + static_cast<int>((n >> 2) & 1u)};
-    std::uint8_t& marks = entry(value.component, face).marks;
-    if ((marks & (near_wall | for_images)) != 0) continue;
-    marks |= for_images;
-    image_faces_[value.component].push_back(face);
+    add_image_face(value.component, face);
   }
+}
+
+void WallLayer::add_image_face(int component, const Triple& face) {
+  std::uint8_t& marks = entry(component, face).marks;
+  if ((marks & (near_wall | for_images)) != 0) return;
+  marks |= for_images;
+  image_faces_[component].push_back(face);
+}
+
+/// A ghost beyond a border follows from two faces before it.
+void WallLayer::add_faces_before_borders() {
+  for (int c = 0; c < block_.n_dimensions; ++c)
+    for (const Triple& face : near_faces_[c])
+      for (int d = 0; d < block_.n_dimensions; ++d) {
+        const bool is_before = face[d] < within_borders_[c].begin[d];
+        if (d == c || (!is_before && face[d] < within_borders_[c].end[d])) continue;
+        if (!block_.decomposition->is_at_border(d, is_before ? 0 : 1)) continue;
+        for (const int n : {1, 2}) {
+          Triple inner = face;
+          inner[d] += is_before ? n : -n;
+          add_image_face(c, inner);
+        }
+      }
 }
 
 /// Beyond a border of the grid, or on it.

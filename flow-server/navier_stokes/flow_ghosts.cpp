@@ -28,10 +28,15 @@ void FlowGhosts::fill(VectorField& velocity) {
   border_.fill_velocity_ghosts(velocity);
 }
 
-void FlowGhosts::fill_deep(VectorField& velocity, const std::vector<Field<double>*>& along) {
-  if (has_borders_) fill(velocity);
+void FlowGhosts::fill_deep(VectorField& velocity, VectorField* change) {
   std::vector<Field<double>*> fields = pointers(velocity);
-  fields.insert(fields.end(), along.begin(), along.end());
+  if (change)
+    for (Field<double>* field : pointers(*change)) fields.push_back(field);
+  if (has_borders_) {
+    exchange_.exchange(fields, 1);
+    border_.fill_velocity_ghosts(velocity);
+    if (change) border_.fill_change_ghosts(velocity, *change);
+  }
   exchange_.exchange(fields, axis_margin);
 }
 

@@ -17,9 +17,9 @@ class FlowGhosts {
 
   /// Collective. The inner ghost layer of a velocity whose border values are set.
   void fill(VectorField& velocity);
-  /// Collective. All layers that walls look at, of the same and of fields of the same shape that go along: those beyond
-  /// borders next to neighbours too, where neighbours have them.
-  void fill_deep(VectorField& velocity, const std::vector<Field<double>*>& along = {});
+  /// Collective. All layers that walls look at, of the same and of a change of it: those beyond borders next to
+  /// neighbours too, where neighbours have them.
+  void fill_deep(VectorField& velocity, VectorField* change = nullptr);
   /// Collective. Only what neighbours own.
   void fill_from_neighbours(VectorField& fields) { exchange_.exchange(pointers(fields), 1); }
 

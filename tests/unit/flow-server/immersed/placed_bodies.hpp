@@ -60,9 +60,10 @@ struct PlacedBodies {
   }
   /// What WallForcing asks for: what neighbours own. Beyond borders the given values stay.
   FillGhosts fill_from_neighbours() {
-    return [this](VectorField& filled, const std::vector<Field<double>*>& along) {
-      std::vector<Field<double>*> fields = along;
-      for (int d = 0; d < block.n_dimensions; ++d) fields.push_back(&filled[d]);
+    return [this](VectorField& filled, VectorField* change) {
+      std::vector<Field<double>*> fields;
+      for (VectorField* vectors : {&filled, change})
+        for (int d = 0; vectors && d < block.n_dimensions; ++d) fields.push_back(&(*vectors)[d]);
       halo.exchange(fields, axis_margin);
     };
   }
