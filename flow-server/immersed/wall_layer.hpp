@@ -201,7 +201,7 @@ class WallLayer {
   /// Weights of trilinear interpolation times how well each face is seen.
   template <class Seen>
   void weigh(WallImage& image, const Eigen::Vector3d& place, const Seen& seen) const;
-  double openness(int component, const Triple& face, int e, int step) const;
+  double openness(const FaceEntry& lower, const FaceEntry& next, int e) const;
   Eigen::Vector3d position(int component, const Triple& face) const;
 
   const FlowBlock& block_;
