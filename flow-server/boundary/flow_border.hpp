@@ -43,7 +43,9 @@ class FlowBorder {
   /// Writes the known normal velocities of border faces; with or without those of outflows.
   void impose(VectorField& velocity, bool with_outflow = true) const;
   /// Fills the ghost layer beyond the borders. Reads one ghost layer beside neighbours.
-  void fill_velocity_ghosts(VectorField& velocity) const;
+  void fill_velocity_ghosts(VectorField& velocity) const { fill_ghosts(velocity, 1, velocity); }
+  /// The same of a change of `velocity` that leaves what borders give as it is.
+  void fill_change_ghosts(const VectorField& velocity, VectorField& change) const { fill_ghosts(velocity, 0, change); }
   void fill_pressure_ghosts(Field<double>& pressure) const;
   /// Beyond openings phi = 0, at the border.
   void fill_increment_ghosts(Field<double>& phi) const;
@@ -111,6 +113,8 @@ class FlowBorder {
       for (cell[a] = layer.begin[a]; cell[a] < layer.end[a]; ++cell[a], ++n)
         if (layer.is_beside_fluid.empty() || layer.is_beside_fluid[n] != 0) visit(cell, n);
   }
+  /// `given`: what the values of the border count.
+  void fill_ghosts(const VectorField& velocity, double given, VectorField& field) const;
   GhostWeights ghost_weights(const Border& border, int component, Triple cell, std::size_t m,
                              const VectorField& velocity) const;
   Point place_of(const Border& border, int component, const Triple& cell) const;

@@ -26,36 +26,37 @@ GhostWeights FlowBorder::ghost_weights(const Border& border, int component, Trip
   return outward < 0 ? GhostWeights{} : no_shear;
 }
 
-void FlowBorder::fill_velocity_ghosts(VectorField& velocity) const {
+void FlowBorder::fill_ghosts(const VectorField& velocity, double given, VectorField& field) const {
   for (const Border& border : borders_) {
     const int d = border.direction;
     for (int c = 0; c < n_dimensions_; ++c) {
       const Layer& layer = border.layer[c];
       for_each(border, layer, [&](Triple cell, std::size_t m) {
-        const auto value_at = [&](const Field<double>& field, int place) {
+        const auto value_at = [&](const Field<double>& of, int place) {
           cell[d] = place;
-          return field(cell[0], cell[1], cell[2]);
+          return of(cell[0], cell[1], cell[2]);
         };
         if (c == d) {
           // Only openings need the ghost of the normal velocity; the kernel's outer flux is (here + ghost)^2 / 4. Where
           // fluid leaves it is here^2. Fluid that comes back comes from rest, the mean of both convected values is
           // here / 2, the flux here^2 / 2. Through an inlet it comes straight, so that du/dn = 0 by continuity: the
           // flux is that on the inner side.
-          const double here = value_at(velocity[c], border.face);
-          const double inner = value_at(velocity[c], border.face + (border.side == 0 ? 1 : -1));
+          const bool leaves = border.outward * value_at(velocity[c], border.face) >= 0;
+          const double here = value_at(field[c], border.face);
+          const double inner = value_at(field[c], border.face + (border.side == 0 ? 1 : -1));
           const double share = outside_share_[layer.patch[m]];
           const double from_rest = (std::sqrt(2.0) - 1) * here;
-          const double ghost = border.outward * here >= 0 ? here : share * inner + (1 - share) * from_rest;
+          const double ghost = leaves ? here : share * inner + (1 - share) * from_rest;
           cell[d] = border.face + (border.side == 0 ? -1 : 1);
-          velocity[c](cell[0], cell[1], cell[2]) = ghost;
+          field[c](cell[0], cell[1], cell[2]) = ghost;
           return;
         }
         const GhostWeights weights = ghost_weights(border, c, cell, m, velocity);
-        const double first = value_at(velocity[c], border.inside);
-        double ghost = weights.border * layer.value[m] + weights.first * first;
-        if (weights.second != 0) ghost += weights.second * value_at(velocity[c], border.next);
+        const double first = value_at(field[c], border.inside);
+        double ghost = given * weights.border * layer.value[m] + weights.first * first;
+        if (weights.second != 0) ghost += weights.second * value_at(field[c], border.next);
         cell[d] = border.outside;
-        velocity[c](cell[0], cell[1], cell[2]) = ghost;
+        field[c](cell[0], cell[1], cell[2]) = ghost;
       });
     }
   }

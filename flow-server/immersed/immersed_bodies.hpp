@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "flow-server/grid/halo_exchange.hpp"
 #include "flow-server/immersed/wall_forcing.hpp"
 
 namespace couplet::flow {

@@ -6,8 +6,6 @@ namespace couplet::flow {
 
 namespace {
 
-/// Layers of neighbours' cells that images reach into.
-constexpr int reach = axis_margin;
 /// Faces around an image may be forced themselves: so many rounds take them from each other.
 constexpr int n_rounds = 2;
 
@@ -66,15 +64,13 @@ void WallForcing::mend_slopes(const BodyGeometry& before, double step_over_densi
 }
 
 void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Field<double>& pressure,
-                        HaloExchange& halo, VectorField& velocity) {
-  std::vector<Field<double>*> exchanged;
-  for (int d = 0; d < block_.n_dimensions; ++d) {
-    // What no rank computes, on borders and beyond, has no slope; what another rank does is exchanged.
+                        const FillGhosts& fill_ghosts, VectorField& velocity) {
+  // On borders there is no slope but on openings; what another rank computes is exchanged, what lies beyond borders
+  // filled.
+  for (int d = 0; d < block_.n_dimensions; ++d)
     for (const Triple& face : now.layer().near_faces(d))
       slope_[d](face[0], face[1], face[2]) = is_mine(d, face) ? slope_of_face(before, pressure, d, face) : 0;
-    exchanged.push_back(&velocity[d]);
-    exchanged.push_back(&slope_[d]);
-  }
+  take_slopes_of_images(now, pressure);
   for (const WallValue& solid : now.layer().solid())
     velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;
 
@@ -95,7 +91,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
     left_[f] = {velocity[forced[f].value.component](i, j, k), slope_[forced[f].value.component](i, j, k)};
   }
   for (int round = 0; round < n_rounds; ++round) {
-    halo.exchange(exchanged, reach);
+    fill_ghosts(velocity, &slope_);
     take_slopes_of_images(now, pressure);  // in ghosts too, which the exchange has overwritten
     for (std::size_t f = 0; f < forced.size(); ++f) {
       const double share = share_[f];
@@ -109,7 +105,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
       slope_[forced[f].value.component](i, j, k) = fresh_[f].slope;
     }
   }
-  halo.exchange(exchanged, reach);
+  fill_ghosts(velocity, &slope_);
   take_slopes_of_images(now, pressure);
   ghost_.clear();
   for (const WallValue& value : now.layer().ghosts())
@@ -127,11 +123,9 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
   }
 }
 
-void WallForcing::hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed, HaloExchange& halo,
-                       VectorField& velocity) {
-  std::vector<Field<double>*> exchanged;
-  for (int d = 0; d < block_.n_dimensions; ++d) exchanged.push_back(&velocity[d]);
-  halo.exchange(exchanged, reach);
+void WallForcing::hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed,
+                       const FillGhosts& fill_ghosts, VectorField& velocity) {
+  fill_ghosts(velocity, nullptr);
   // Of both places; a face that the wall passes over belongs to the one where it is in the fluid.
   held_.clear();
   for (const bool is_end : {false, true}) {
@@ -151,7 +145,7 @@ void WallForcing::hold(const BodyGeometry& before, const BodyGeometry& now, doub
   for (const WallValue& solid : before.layer().solid())
     if (now.layer().find_forced(solid.component, solid.face) < 0)
       velocity[solid.component](solid.face[0], solid.face[1], solid.face[2]) = solid.wall_velocity;
-  halo.exchange(exchanged, reach);  // images of ghosts
+  fill_ghosts(velocity, nullptr);  // for images of ghosts
 }
 
 void WallForcing::release(VectorField& velocity) const {

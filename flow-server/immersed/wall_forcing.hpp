@@ -1,10 +1,15 @@
 #pragma once
 // The velocities that walls impose on a predicted velocity.
 
-#include "flow-server/grid/halo_exchange.hpp"
+#include <functional>
+
 #include "flow-server/immersed/body_geometry.hpp"
 
 namespace couplet::flow {
+
+/// Collective. Fills four layers of ghosts, those beyond borders too, of a velocity and, unless null, of something that
+/// changes it. Images near a border stand between the faces inside and those beyond it, beside a neighbour in its own.
+using FillGhosts = std::function<void(VectorField& velocity, VectorField* change)>;
 
 /// A predicted velocity u* = u^ - (dt / rho) g, where g is the slope of some pressure: near walls both are known, so
 /// that the slope can be exchanged for that of another pressure. What walls impose holds at the end of the step, when
@@ -24,12 +29,12 @@ class WallForcing {
   /// Collective. Forces the predicted `velocity` of faces near the walls of `now`. `before`: the bodies at the start of
   /// the step, whose pressure of pieces goes with `pressure`, that of the cells, ghosts of four layers filled.
   /// Notes in `now` which faces have changed sides; these take nothing of what was predicted for them.
-  void force(const BodyGeometry& before, BodyGeometry& now, const Field<double>& pressure, HaloExchange& halo,
-             VectorField& velocity);
+  void force(const BodyGeometry& before, BodyGeometry& now, const Field<double>& pressure,
+             const FillGhosts& fill_ghosts, VectorField& velocity);
 
   /// Collective. Forces the velocity of a stage inside a step, when `elapsed` of it (0 to 1) has passed: between what
-  /// the walls impose where they are at its start and at its end.
-  void hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed, HaloExchange& halo,
+  /// the walls impose where they are at its start and at its end. Leaves its ghosts filled.
+  void hold(const BodyGeometry& before, const BodyGeometry& now, double elapsed, const FillGhosts& fill_ghosts,
             VectorField& velocity);
   /// What hold() has changed, taken back from the velocity of the next stage, which went on from the held one: so the
   /// equations are blended with the wall once a step, by every scheme.

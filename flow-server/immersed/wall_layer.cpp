@@ -70,6 +70,7 @@ void WallLayer::update(std::span<const BodySurface> surfaces, std::span<const Su
   forced_.clear(), ghosts_.clear(), ghost_side_.clear(), solid_.clear(), rows_.clear();
   sight_.update();
   collect_faces();
+  add_faces_before_borders();
   for (int c = 0; c < block_.n_dimensions; ++c)
     for (const Triple& face : near_faces_[c]) find_links(c, face);
   add_pieces();

@@ -125,7 +125,7 @@ class WallLayer {
   /// Faces of cut cells and of the cells beside them, as far as their velocities are known to this rank.
   const std::vector<Triple>& near_faces(int component) const { return near_faces_[component]; }
   bool is_near(int component, const Triple& face) const { return (entry(component, face).marks & near_wall) != 0; }
-  /// Faces that are not near but that the first images are interpolated from.
+  /// Faces that are not near but that the first images are interpolated from, or ghosts of near faces beyond borders.
   const std::vector<Triple>& image_faces(int component) const { return image_faces_[component]; }
   /// Whether a near face is one of whole fluid cells: the slope of a pressure there is the one between both.
   bool is_of_whole_cells(int component, const Triple& face) const {
@@ -174,6 +174,8 @@ class WallLayer {
   int ghost(int component, const Triple& face, int surface, bool is_outer);
   void collect_faces();
   void add_image_faces(const WallValue& value);
+  void add_image_face(int component, const Triple& face);
+  void add_faces_before_borders();
   void add_pieces();
   void add_shift(const CutFace& face, int piece);
   void find_links(int component, const Triple& face);
@@ -199,7 +201,7 @@ class WallLayer {
   /// Weights of trilinear interpolation times how well each face is seen.
   template <class Seen>
   void weigh(WallImage& image, const Eigen::Vector3d& place, const Seen& seen) const;
-  double openness(int component, const Triple& face, int e, int step) const;
+  double openness(const FaceEntry& lower, const FaceEntry& next, int e) const;
   Eigen::Vector3d position(int component, const Triple& face) const;
 
   const FlowBlock& block_;

@@ -16,15 +16,11 @@ constexpr double least_seen = 0.75;
 
 }  // namespace
 
-/// How well a face sees the next one along e: 1 wholly, 0 not at all.
-double WallLayer::openness(int component, const Triple& face, int e, int step) const {
-  Triple lower = face, next = face;
-  next[e] += step;
-  if (step < 0) lower = next;
-  if ((entry(component, next).marks & inside_body) != 0) return 0;
-  if ((entry(component, lower).marks & (1u << e)) == 0) return 1;
-  return 1 -
-         links_[static_cast<std::size_t>(entry(component, lower).links - 1)].ahead[static_cast<std::size_t>(e)].blocked;
+/// How well a face sees the next one along e: 1 wholly, 0 not at all. `lower`: the one of both where the link starts.
+double WallLayer::openness(const FaceEntry& lower, const FaceEntry& next, int e) const {
+  if ((next.marks & inside_body) != 0) return 0;
+  if ((lower.marks & (1u << e)) == 0) return 1;
+  return 1 - links_[static_cast<std::size_t>(lower.links - 1)].ahead[static_cast<std::size_t>(e)].blocked;
 }
 
 /// Weights of the faces around a point that `from` can reach by links among the faces between both.
@@ -76,11 +72,31 @@ void WallLayer::add_image_faces(const WallValue& value) {
     if (image.weight[n] == 0) continue;
     const Triple face{image.base[0] + static_cast<int>(n & 1u), image.base[1] + static_cast<int>((n >> 1) & 1u),
                       image.base[2] + static_cast<int>((n >> 2) & 1u)};
-    std::uint8_t& marks = entry(value.component, face).marks;
-    if ((marks & (near_wall | for_images)) != 0) continue;
-    marks |= for_images;
-    image_faces_[value.component].push_back(face);
+    add_image_face(value.component, face);
   }
+}
+
+void WallLayer::add_image_face(int component, const Triple& face) {
+  std::uint8_t& marks = entry(component, face).marks;
+  if ((marks & (near_wall | for_images)) != 0) return;
+  marks |= for_images;
+  image_faces_[component].push_back(face);
+}
+
+/// A ghost beyond a border follows from two faces before it.
+void WallLayer::add_faces_before_borders() {
+  for (int c = 0; c < block_.n_dimensions; ++c)
+    for (const Triple& face : near_faces_[c])
+      for (int d = 0; d < block_.n_dimensions; ++d) {
+        const bool is_before = face[d] < within_borders_[c].begin[d];
+        if (d == c || (!is_before && face[d] < within_borders_[c].end[d])) continue;
+        if (!block_.decomposition->is_at_border(d, is_before ? 0 : 1)) continue;
+        for (const int n : {1, 2}) {
+          Triple inner = face;
+          inner[d] += is_before ? n : -n;
+          add_image_face(c, inner);
+        }
+      }
 }
 
 /// Beyond a border of the grid, or on it.
@@ -97,13 +113,13 @@ bool WallLayer::is_beyond_border(int component, const Triple& face) const {
 /// through links among the faces between both and `detour` layers around.
 void WallLayer::weigh_seen_faces(int c, WallImage& image, const Eigen::Vector3d& place, const Triple& from,
                                  int detour) const {
-  Triple low, size;
+  Box between, base;
   for (int d = 0; d < 3; ++d) {
     const int reach = d < block_.n_dimensions ? 1 : 0;
-    low[d] = std::min(from[d], image.base[d]) - reach * detour;
-    size[d] = std::max(from[d], image.base[d] + reach) + reach * detour - low[d] + 1;
+    base.begin[d] = image.base[d], base.end[d] = image.base[d] + reach + 1;
+    between.begin[d] = std::min(from[d], base.begin[d]) - reach * detour;
+    between.end[d] = std::max(from[d] + 1, base.end[d]) + reach * detour;
   }
-  Box between{low, {low[0] + size[0], low[1] + size[1], low[2] + size[2]}};
   if (is_all_free(c, between)) {
     weigh(image, place, [](const Triple&) { return 1.0; });
     return;
@@ -111,29 +127,48 @@ void WallLayer::weigh_seen_faces(int c, WallImage& image, const Eigen::Vector3d&
   constexpr int most_places = 512;
   if (between.n_cells() > most_places) return;  // weights 0: the wall's velocity
   std::array<double, most_places> seen;         // along the way on which it is seen best
-  std::fill_n(seen.begin(), size[0] * size[1] * size[2], 0.0);
+  std::fill_n(seen.begin(), between.n_cells(), 0.0);
+  const std::array<int, 3> next_seen{1, between.size(0), between.size(0) * between.size(1)};
+  const std::array<std::ptrdiff_t, 3> next_entry{1, entry_[c].stride_y(), entry_[c].stride_z()};
+  const auto index = [&](const Triple& face) {
+    int n = 0;
+    for (int d = 0; d < 3; ++d) n += next_seen[static_cast<std::size_t>(d)] * (face[d] - between.begin[d]);
+    return static_cast<std::size_t>(n);
+  };
+  // Those that lead to the image are gone last and so, from the top of a stack, on from first.
+  struct Way {
+    int direction, step;
+  };
+  std::array<Way, 6> ways;
+  for (int e = 0; e < block_.n_dimensions; ++e) {
+    const int towards = image.base[e] >= from[e] ? 1 : -1;
+    ways[static_cast<std::size_t>(e)] = {e, -towards};
+    ways[static_cast<std::size_t>(block_.n_dimensions + e)] = {e, towards};
+  }
   std::array<Triple, most_places> waiting;
   int n_waiting = 0;
-  const auto index = [&](const Triple& face) {
-    return static_cast<std::size_t>((face[0] - low[0]) + size[0] * ((face[1] - low[1]) + size[1] * (face[2] - low[2])));
-  };
   waiting[static_cast<std::size_t>(n_waiting++)] = from;
   seen[index(from)] = 1;
-  while (n_waiting > 0) {
+  int n_hidden = static_cast<int>(base.n_cells()) - (base.contains(from) ? 1 : 0);  // not wholly seen so far
+  while (n_waiting > 0 && n_hidden > 0) {
     const Triple now = waiting[static_cast<std::size_t>(--n_waiting)];
     if (is_beyond_border(c, now)) continue;  // no surface is seen there: ways do not lead through it
-    for (int e = 0; e < block_.n_dimensions; ++e)
-      for (const int step : {-1, 1}) {
-        Triple next = now;
-        next[e] += step;
-        if (next[e] < low[e] || next[e] >= low[e] + size[e] || seen[index(next)] >= seen[index(now)] ||
-            !is_known(c, next))
-          continue;
-        const double through = std::min(seen[index(now)], openness(c, now, e, step));
-        if (through <= seen[index(next)] || n_waiting == most_places) continue;
-        seen[index(next)] = through;
-        waiting[static_cast<std::size_t>(n_waiting++)] = next;
-      }
+    double* const seen_now = &seen[index(now)];
+    const FaceEntry* const entry_now = &entry(c, now);
+    for (int w = 0; w < 2 * block_.n_dimensions; ++w) {
+      const auto [e, step] = ways[static_cast<std::size_t>(w)];
+      Triple next = now;
+      next[e] += step;
+      if (next[e] < between.begin[e] || next[e] >= between.end[e]) continue;
+      double& seen_next = seen_now[step * next_seen[static_cast<std::size_t>(e)]];
+      if (seen_next >= *seen_now || !is_known(c, next)) continue;
+      const FaceEntry& entry_next = entry_now[step * next_entry[static_cast<std::size_t>(e)]];
+      const double through = std::min(*seen_now, openness(step > 0 ? *entry_now : entry_next, entry_next, e));
+      if (through <= seen_next || n_waiting == most_places) continue;
+      seen_next = through;
+      waiting[static_cast<std::size_t>(n_waiting++)] = next;
+      if (through == 1 && base.contains(next)) --n_hidden;
+    }
   }
   weigh(image, place, [&](const Triple& face) { return seen[index(face)]; });
 }

@@ -28,6 +28,18 @@ void FlowGhosts::fill(VectorField& velocity) {
   border_.fill_velocity_ghosts(velocity);
 }
 
+void FlowGhosts::fill_deep(VectorField& velocity, VectorField* change) {
+  std::vector<Field<double>*> fields = pointers(velocity);
+  if (change)
+    for (Field<double>* field : pointers(*change)) fields.push_back(field);
+  if (has_borders_) {
+    exchange_.exchange(fields, 1);
+    border_.fill_velocity_ghosts(velocity);
+    if (change) border_.fill_change_ghosts(velocity, *change);
+  }
+  exchange_.exchange(fields, axis_margin);
+}
+
 void FlowGhosts::fill(FlowState& state) {
   std::vector<Field<double>*> fields = pointers(state.velocity);
   fields.push_back(&state.pressure);

@@ -17,6 +17,9 @@ class FlowGhosts {
 
   /// Collective. The inner ghost layer of a velocity whose border values are set.
   void fill(VectorField& velocity);
+  /// Collective. All layers that walls look at, of the same and of a change of it: those beyond borders next to
+  /// neighbours too, where neighbours have them.
+  void fill_deep(VectorField& velocity, VectorField* change = nullptr);
   /// Collective. Only what neighbours own.
   void fill_from_neighbours(VectorField& fields) { exchange_.exchange(pointers(fields), 1); }
 

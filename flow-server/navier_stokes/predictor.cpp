@@ -1,6 +1,7 @@
 #include "flow-server/navier_stokes/predictor.hpp"
 
 #include <cmath>
+#include <functional>
 
 #include "flow-server/immersed/cut_momentum.hpp"
 #include "flow-server/momentum/explicit_momentum.hpp"
@@ -106,10 +107,15 @@ void Predictor::predict_by_runge_kutta(const FlowState& from, double dt, bool ke
                          fresh);
     } else {
       VectorField& old = s == 1 ? to.velocity : stage_;
-      ghosts_.while_filling(old, true, [&](const Box& box) {
+      const auto advance = [&](const Box& box) {
         advance_momentum(block_, box, weights, old, old, from.pressure, s == 1 ? &first_rate : &rate_,
                          s == 1 ? &rate_ : nullptr, fresh);
-      });
+      };
+      if (bodies_) {
+        advance(block_.everything());  // walls that hold a stage fill its ghosts
+      } else {
+        ghosts_.while_filling(old, true, advance);
+      }
       // Walls that have moved on: between the rates with those at the start and at the end of the step.
       const double share = elapsed / dt;
       if (from.bodies)
@@ -124,7 +130,9 @@ void Predictor::predict_by_runge_kutta(const FlowState& from, double dt, bool ke
     elapsed += part;
     border_.set_time(s == 2 ? from.time + dt : from.time + elapsed, elapsed, from.velocity);
     border_.impose(fresh);
-    if (bodies_ && s < 2) bodies_->forcing().hold(*from.bodies, *to.bodies, elapsed / dt, ghosts_.exchange(), fresh);
+    if (bodies_ && s < 2)
+      bodies_->forcing().hold(*from.bodies, *to.bodies, elapsed / dt, std::bind_front(&FlowGhosts::fill_deep, &ghosts_),
+                              fresh);
   }
   to.rate_kind = keeps_rate ? RateKind::of_momentum : RateKind::none;
 }

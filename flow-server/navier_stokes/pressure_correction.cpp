@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "flow-server/navier_stokes/flow_domain.hpp"
@@ -63,7 +64,7 @@ void PressureCorrection::force_walls(const FlowState& from, double step_over_den
   if (bodies_->write_problem(now, problem_, changed)) solver_->update(changed);
   whole_cells_ = now.cut().whole(block_.cells);
   WallForcing& forcing = bodies_->forcing();
-  forcing.force(*from.bodies, now, from.pressure, ghosts_.exchange(), to.velocity);
+  forcing.force(*from.bodies, now, from.pressure, std::bind_front(&FlowGhosts::fill_deep, &ghosts_), to.velocity);
   bodies_->carry_pressure(*from.bodies, from.pressure, now, to.pressure);
   forcing.take_slopes_of(now, step_over_density, to.pressure, to.velocity);
 }

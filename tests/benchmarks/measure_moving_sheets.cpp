@@ -230,7 +230,8 @@ class StepParts {
     });
     const double step_over_density = dt / setup_.density;
     seconds.forcing += clock.seconds([&] {
-      bodies_.forcing().force(*from.bodies, now, from.pressure, ghosts_.exchange(), to_.velocity);
+      bodies_.forcing().force(*from.bodies, now, from.pressure, std::bind_front(&FlowGhosts::fill_deep, &ghosts_),
+                              to_.velocity);
       bodies_.carry_pressure(*from.bodies, from.pressure, now, to_.pressure);
       bodies_.forcing().take_slopes_of(now, step_over_density, to_.pressure, to_.velocity);
     });

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "tests/verification/flow_cases.hpp"
+#include "tests/verification/moving_bodies.hpp"
 
 namespace couplet::flow {
 namespace {
@@ -67,6 +67,39 @@ NavierStokesSetup openings(TimeScheme scheme, int n_dimensions) {
   return setup;
 }
 
+/// Cylinders that slide along two borders, gaps of about a cell between them. Between two of them, at a border, images
+/// stand between faces inside the grid and ones beyond it.
+NavierStokesSetup sliding_bodies(TimeScheme scheme, int n_dimensions) {
+  NavierStokesSetup setup = everything(scheme, n_dimensions);
+  const bool is_spatial = n_dimensions == 3;
+  setup.grid = box_grid({uniform_faces(0, 2, 33), uniform_faces(0, 1, 17), uniform_faces(0, 1, is_spatial ? 17 : 1)},
+                        {false, false, false}, n_dimensions);
+  if (is_spatial) setup.border[2][0] = setup.border[2][1] = {FacePatch{.name = "side", .condition = SlipWall{}}};
+  setup.bodies = [](double t) {
+    std::vector<BodySurface> bodies;
+    for (const auto& [x, y, radius] : std::array<std::array<double, 3>, 4>{
+             {{0.8, 0.9, 0.22}, {1.29, 0.92, 0.2}, {1.05, 0.52, 0.2}, {1.1, 0.08, 0.2}}}) {
+      bodies.push_back(circle({x + 0.4 * t, y}, radius, 60, 2, [](double, double) { return std::array{0.4, 0.0}; }));
+      for (Point& corner : bodies.back().position) corner[2] -= 0.5;
+    }
+    return bodies;
+  };
+  return setup;
+}
+
+enum class Case { borders, openings, bodies };
+
+NavierStokesSetup setup_of(Case which, TimeScheme scheme, int n_dimensions) {
+  switch (which) {
+    case Case::borders:
+      return everything(scheme, n_dimensions);
+    case Case::openings:
+      return openings(scheme, n_dimensions);
+    default:
+      return sliding_bodies(scheme, n_dimensions);
+  }
+}
+
 /// Of four ranks one may be left without cells.
 std::vector<Triple> shapes_of(int n_ranks, int n_dimensions) {
   switch (n_ranks) {
@@ -81,11 +114,11 @@ std::vector<Triple> shapes_of(int n_ranks, int n_dimensions) {
   }
 }
 
-class FlowOnRanks : public testing::TestWithParam<std::tuple<TimeScheme, int, bool>> {};
+class FlowOnRanks : public testing::TestWithParam<std::tuple<TimeScheme, int, Case>> {};
 
 TEST_P(FlowOnRanks, GivesTheNumbersOfOneRank) {
-  const auto [scheme, n_dimensions, has_openings] = GetParam();
-  const NavierStokesSetup setup = has_openings ? openings(scheme, n_dimensions) : everything(scheme, n_dimensions);
+  const auto [scheme, n_dimensions, which] = GetParam();
+  const NavierStokesSetup setup = setup_of(which, scheme, n_dimensions);
   int n_ranks = 1;
   MPI_Comm_size(MPI_COMM_WORLD, &n_ranks);
   const int n_steps = 3;
@@ -119,7 +152,10 @@ TEST_P(FlowOnRanks, GivesTheNumbersOfOneRank) {
 INSTANTIATE_TEST_SUITE_P(Schemes, FlowOnRanks,
                          testing::Combine(testing::Values(TimeScheme::adams_bashforth, TimeScheme::runge_kutta,
                                                           TimeScheme::crank_nicolson),
-                                          testing::Values(2, 3), testing::Bool()));
+                                          testing::Values(2, 3), testing::Values(Case::borders, Case::openings)));
+INSTANTIATE_TEST_SUITE_P(BesideWalls, FlowOnRanks,
+                         testing::Combine(testing::Values(TimeScheme::adams_bashforth, TimeScheme::runge_kutta),
+                                          testing::Values(2, 3), testing::Values(Case::bodies)));
 
 bool same_bits(const Field<double>& a, const Field<double>& b) {
   for (int k = 0; k < a.sizes()[2]; ++k)
@@ -174,6 +210,21 @@ INSTANTIATE_TEST_SUITE_P(Schemes, FlowRepeated,
                          testing::Combine(testing::Values(TimeScheme::automatic, TimeScheme::adams_bashforth,
                                                           TimeScheme::runge_kutta, TimeScheme::crank_nicolson),
                                           testing::Bool()));
+
+TEST(FlowRepeated, IsTheSameBesideWallsWhateverTheEndStateHeldBefore) {
+  for (const TimeScheme scheme : {TimeScheme::adams_bashforth, TimeScheme::runge_kutta}) {
+    const NavierStokesSetup setup = sliding_bodies(scheme, 2);
+    const BlockDecomposition blocks = decompose(setup.grid);
+    FractionalStep flow(setup, blocks);
+    FlowState before = flow.initial_state(), start, first, second;
+    flow.advance(before, 0.01, start);
+    flow.advance(start, 0.01, first);
+    flow.advance(first, 0.01, second);
+    flow.advance(start, 0.01, second);
+    for (int c = 0; c < 2; ++c) EXPECT_TRUE(same_bits(first.velocity[c], second.velocity[c]));
+    EXPECT_TRUE(same_bits(first.pressure, second.pressure));
+  }
+}
 
 }  // namespace
 }  // namespace couplet::flow

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace couplet::flow {
 namespace {
 
@@ -72,6 +74,31 @@ TEST(FlowBorder, OpeningsTakeFluidInStraight) {
   border.fill_pressure_ghosts(pressure);
   EXPECT_EQ(pressure(-1, 2, 0), 5);
   EXPECT_EQ(pressure(4, 2, 0), 0);
+}
+
+TEST(FlowBorder, GhostsOfAChangeAreTheChangeOfTheGhosts) {
+  Square square, sum, change;
+  BorderConditions conditions;
+  conditions[0][0] = {FacePatch{.name = "open", .condition = PressureOpening{5.0}}};
+  conditions[1][0] = {FacePatch{.name = "belt", .condition = moving(3, 0)}};
+  conditions[1][1] = {FacePatch{.name = "mirror", .condition = SlipWall{}}};
+  FlowBorder border = square.with(conditions);
+  for (const double u : {1.0, -1.0}) {  // through the opening: in, out
+    for (int c = 0; c < 2; ++c)
+      for (std::size_t i = 0; i < square.velocity[0].n_values(); ++i) {
+        square.velocity[c].data()[i] = u + 0.1 * std::sin(1.0 + static_cast<double>(i) + c);
+        change.velocity[c].data()[i] = 0.1 * std::cos(2.0 + static_cast<double>(i) + c);
+        sum.velocity[c].data()[i] = square.velocity[c].data()[i] + change.velocity[c].data()[i];
+      }
+    border.begin_step(square.velocity);
+    border.set_time(0, 0, square.velocity);
+    border.fill_velocity_ghosts(square.velocity);
+    border.fill_velocity_ghosts(sum.velocity);
+    border.fill_change_ghosts(square.velocity, change.velocity);
+    for (int c = 0; c < 2; ++c)
+      for (std::size_t i = 0; i < square.velocity[0].n_values(); ++i)
+        EXPECT_NEAR(change.velocity[c].data()[i], sum.velocity[c].data()[i] - square.velocity[c].data()[i], 1e-14);
+  }
 }
 
 TEST(FlowBorder, BackflowThroughAnExitBringsHalfOfItsMomentum) {

@@ -26,8 +26,8 @@ double largest_outflow(int n, std::vector<BodySurface> surfaces, const Flow& flo
       if (std::isnan(u)) u = 1e3;
     });
   ImmersedBodies bodies(placed.block, BodyFlowSettings{});
-  HaloExchange halo(placed.blocks);
-  bodies.forcing().force(*placed.bodies, *placed.bodies, placed.pressure, halo, placed.velocity);
+  bodies.forcing().force(*placed.bodies, *placed.bodies, placed.pressure, placed.fill_from_neighbours(),
+                         placed.velocity);
   bodies.forcing().take_slopes_of(*placed.bodies, 0, placed.pressure, placed.velocity);
   Field<double> source = placed.block.new_field();
   std::vector<double> piece_source;

@@ -8,7 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "flow-server/grid/halo_exchange.hpp"
 #include "flow-server/immersed/body_geometry.hpp"
+#include "flow-server/immersed/wall_forcing.hpp"
 #include "flow-server/navier_stokes/flow_domain.hpp"
 
 namespace couplet::flow {
@@ -26,6 +28,7 @@ struct PlacedBodies {
                {equal_parts(grid.axis[0].n_cells(), shape[0], 1), equal_parts(grid.axis[1].n_cells(), shape[1], 1),
                 equal_parts(grid.axis[2].n_cells(), shape[2], 1)},
                grid.is_periodic()),
+        halo(blocks),
         border(setup.grid, blocks, {}, {}, false) {
     setup.bodies = [](double) { return std::vector<BodySurface>{}; };  // asks for the ghosts that bodies need
     block = make_flow_block(setup, blocks, border);
@@ -55,6 +58,15 @@ struct PlacedBodies {
                                                      : value(centre_of_face(block, d, face), d);
       });
   }
+  /// What WallForcing asks for: what neighbours own. Beyond borders the given values stay.
+  FillGhosts fill_from_neighbours() {
+    return [this](VectorField& filled, VectorField* change) {
+      std::vector<Field<double>*> fields;
+      for (VectorField* vectors : {&filled, change})
+        for (int d = 0; vectors && d < block.n_dimensions; ++d) fields.push_back(&(*vectors)[d]);
+      halo.exchange(fields, axis_margin);
+    };
+  }
   template <class Visit>
   static void visit(const Box& box, const Visit& visit) {
     for (int k = box.begin[2]; k < box.end[2]; ++k)
@@ -64,6 +76,7 @@ struct PlacedBodies {
 
   NavierStokesSetup setup;
   BlockDecomposition blocks;
+  HaloExchange halo;
   FlowBorder border;
   FlowBlock block;
   std::unique_ptr<BodyGeometry> bodies;

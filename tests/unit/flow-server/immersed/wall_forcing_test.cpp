@@ -34,12 +34,12 @@ std::map<std::array<int, 2>, double> forced_divergence(const BodySurface& sheet,
   placed.set_velocity([&](const Point& p, int) { return rough(p); });
   placed.set_pressure(rough);
   ImmersedBodies bodies(placed.block, BodyFlowSettings{});
-  HaloExchange halo(placed.blocks);
-  bodies.forcing().force(*placed.bodies, *placed.bodies, placed.pressure, halo, placed.velocity);
+  bodies.forcing().force(*placed.bodies, *placed.bodies, placed.pressure, placed.fill_from_neighbours(),
+                         placed.velocity);
   bodies.forcing().take_slopes_of(*placed.bodies, h, placed.pressure, placed.velocity);
   std::vector<Field<double>*> fields;
   for (int d = 0; d < 2; ++d) fields.push_back(&placed.velocity[d]);
-  halo.exchange(fields, 1);
+  placed.halo.exchange(fields, 1);
   Field<double> source = placed.block.new_field();
   std::vector<double> piece_source;
   bodies.take_divergence(*placed.bodies, h, placed.velocity, bodies.forcing().piece_velocity(), source, piece_source);
@@ -80,8 +80,7 @@ TEST(WallForcing, KeepsToThePressureThatIsKnown) {
   ASSERT_TRUE(std::any_of(images.begin(), images.end(), [](const Triple& face) { return face[1] == n + 3; }));
   placed.set_velocity([](const Point&, int) { return 0.0; });
   WallForcing forcing(placed.block);
-  HaloExchange halo(placed.blocks);
-  forcing.force(*placed.bodies, *placed.bodies, placed.pressure, halo, placed.velocity);
+  forcing.force(*placed.bodies, *placed.bodies, placed.pressure, placed.fill_from_neighbours(), placed.velocity);
   forcing.take_slopes_of(*placed.bodies, h, placed.pressure, placed.velocity);
   ASSERT_FALSE(forcing.piece_velocity().empty());
   for (const double velocity : forcing.piece_velocity()) EXPECT_EQ(velocity, 0);  // all is at rest without pressure
