@@ -84,58 +84,6 @@ void WallLayer::update(std::span<const BodySurface> surfaces, std::span<const Su
   }
 }
 
-void WallLayer::add_pieces() {
-  ghost_of_piece_.assign(cut_.pieces().size(), -1);
-  shifts_.clear();
-  for (const CutFace& face : cut_.faces()) {
-    // Faces of own cells; on a border with a given velocity all pieces have that.
-    Box wanted = box_of(block_.sizes);
-    --wanted.begin[face.direction];
-    if (face.n_pieces == 1 || !wanted.contains(face.face) ||
-        !block_.faces[face.direction].contains(face.face[0], face.face[1], face.face[2]))
-      continue;
-    for (int p = face.first_piece; p < face.first_piece + face.n_pieces; ++p) {
-      const FacePiece& piece = cut_.pieces()[static_cast<std::size_t>(p)];
-      const int part = piece.lower_part >= 0 ? piece.lower_part : piece.upper_part;
-      if (!cut_.parts()[static_cast<std::size_t>(part)].is_fluid) continue;
-      if (p != face.centre_piece && piece.surface >= 0)
-        ghost_of_piece_[static_cast<std::size_t>(p)] = ghost(face.direction, face.face, piece.surface, piece.is_outer);
-      add_shift(face, p);
-    }
-  }
-}
-
-void WallLayer::add_shift(const CutFace& face, int p) {
-  const FacePiece& piece = cut_.pieces()[static_cast<std::size_t>(p)];
-  const int d = face.direction;
-  // Pieces that nothing parts are one, with its middle where that of the face is. The chord of the piece with that
-  // middle is the one that parts it best.
-  double closed = p == face.centre_piece ? 0 : 1 - piece.opening;
-  if (p == face.centre_piece)
-    for (int q = face.first_piece; q < face.first_piece + face.n_pieces; ++q)
-      if (q != p) closed = std::max(closed, 1 - cut_.pieces()[static_cast<std::size_t>(q)].opening);
-  PieceShift shift{.piece = p,
-                   .component = d,
-                   .face = face.face,
-                   .ghost = ghost_of_piece_[static_cast<std::size_t>(p)],
-                   .n_neighbours = 0,
-                   .neighbour = {}};
-  for (int t = 0; t < 2; ++t) {
-    const int e = (d + 1 + t) % 3;
-    const double offset = piece.offset[static_cast<std::size_t>(t)];
-    if (e >= block_.n_dimensions || offset == 0) continue;
-    const int step = offset > 0 ? 1 : -1;
-    Triple next = face.face;
-    next[e] += step;
-    if (!is_known(d, next) || !sight_.sees_neighbour(piece, d, face.face, e, step)) continue;
-    const double over = block_.axis[e].inverse_distance[std::min(face.face[e], next[e])];
-    const auto n = static_cast<std::size_t>(shift.n_neighbours++);
-    shift.neighbour[n] = next;
-    shift.weight[n] = closed * std::abs(offset) * over;
-  }
-  if (shift.n_neighbours > 0) shifts_.push_back(shift);
-}
-
 /// Values that neighbours and borders fill in.
 bool WallLayer::is_known(int component, const Triple& face) const {
   return known_[component].contains(face);

@@ -53,7 +53,9 @@ struct ForcedFace {
 };
 
 /// The mean velocity of a piece of a face differs from that at the face's middle by the slope towards neighbouring
-/// faces times the distance of the piece's middle: sum of weight (u_neighbour - u_own).
+/// faces times the distance of the piece's middle: sum of weight (u_neighbour - u_own). Where the piece sees one of
+/// both neighbours only, the other slope is that beside this one, between it and the next face along the other
+/// direction.
 struct PieceShift {
   int piece = 0;  // index in CutCells::pieces()
   int component = 0;

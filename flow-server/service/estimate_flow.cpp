@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "flow-server/immersed/body_surfaces.hpp"
 #include "flow-server/service/body_speed.hpp"
 #include "flow-server/service/make_navier_stokes.hpp"
 #include "proto/report/failure.hpp"
@@ -97,6 +98,7 @@ std::vector<NamedNumber> estimate_navier_stokes(const participant::OpenRequest& 
   if (!request.peer_surface && coupled != bodies.end()) bodies.erase(coupled);
   const NavierStokesOptions options = make_navier_stokes(scene, request.scene_folder, request.peer_surface);
   const NavierStokesSetup& setup = options.setup;
+  const BodySurfaces surfaces(options.bodies, setup.grid);  // refuses what a run would: holes, for example
   const double n_cells = static_cast<double>(box_of(setup.grid.n_cells()).n_cells());
   const double n_active = std::round(share_of_fluid(setup) * n_cells);
   double narrowest = setup.grid.axis[0].smallest_width(), inverse_squares = 0;

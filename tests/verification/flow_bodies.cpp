@@ -117,6 +117,29 @@ INSTANTIATE_TEST_SUITE_P(Cases, OrderBesideWall,
                                          WallCase{"stages", false, 0.3, TimeScheme::runge_kutta}),
                          [](const auto& parameter) { return std::string(parameter.param.name); });
 
+TEST(FastBody, PassesNoMoreThanACellInAStep) {
+  // A cylinder that is carried over two and a half cells in the time asked for.
+  constexpr int n = 32;
+  constexpr double h = 4.0 / n, time = 0.1, speed = 2.5 * h / time;
+  const std::vector<double> faces = uniform_faces(0, 4, n);
+  NavierStokesSetup setup = setup_on(box_grid({faces, faces, {0, h}}, {}, 2), TimeScheme::automatic);
+  setup.viscosity = 0.01;
+  setup.border[0][0] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+  std::vector<double> placed;
+  setup.bodies = [&placed](double t) {
+    placed.push_back(t);
+    return std::vector<BodySurface>{circle({1 + speed * t, 2.03}, 0.5, 200, h, [](double, double) {
+      return std::array<double, 2>{speed, 0};
+    })};
+  };
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  FlowState state = flow.initial_state(), next;
+  const AdvanceReport report = flow.advance(state, time, next);
+  EXPECT_GE(report.n_steps, 3);
+  for (std::size_t i = 1; i < placed.size(); ++i) EXPECT_LE(speed * (placed[i] - placed[i - 1]), h * (1 + 1e-9));
+}
+
 /// A cylinder of diameter 1 that swings by A = D / 8 with period 1 in a box at rest: KC = 0.785, Re = 78.5 [numbers of
 /// Seo and Mittal, J. Comput. Phys. 230 (2011) 7347, and of Luo et al., Comput. Fluids 56 (2012) 61].
 double roughness_of_swing(int n, double step, int n_dimensions) {

@@ -94,6 +94,45 @@ TEST_P(BesideAPlane, ValuesOfALinearVelocityAreExact) {
   EXPECT_GT(n_whole_ghosts, layer.ghosts().size() / 2);  // beside the border of the box some see too little
 }
 
+TEST_P(BesideAPlane, MeanVelocitiesOfPiecesAreExactForALinearVelocity) {
+  const Point wall = GetParam();
+  PlacedBodies placed(uniform_box({n, n, n}, h), {plane(wall)});
+  const auto linear = [&](const Point& p, int c) { return wall[static_cast<std::size_t>(c)] + (c + 1.5) * height(p); };
+  placed.set_velocity(linear);
+  const WallLayer& layer = placed.bodies->layer();
+  const CutCells& cut = placed.bodies->cut();
+  std::vector<double> shift(cut.pieces().size(), 0.0);
+  for (const PieceShift& given : layer.shifts()) {
+    const Field<double>& u = placed.velocity[given.component];
+    const double own = given.ghost >= 0 ? WallLayer::value_of(layer.ghosts()[static_cast<std::size_t>(given.ghost)], u)
+                                        : u(given.face[0], given.face[1], given.face[2]);
+    for (std::size_t m = 0; m < static_cast<std::size_t>(given.n_neighbours); ++m) {
+      const auto& [i, j, k] = given.neighbour[m];
+      shift[static_cast<std::size_t>(given.piece)] += given.weight[m] * (u(i, j, k) - own);
+    }
+  }
+  int n_pieces = 0, n_behind = 0;
+  for (const CutFace& face : cut.faces()) {
+    const int d = face.direction;
+    const Point middle = centre_of_face(placed.block, d, face.face);
+    bool is_inner = true;  // ghosts see all faces around their images
+    for (const double x : middle) is_inner = is_inner && x > 3.1 * h && x < 1 - 3.1 * h;
+    for (int p = face.first_piece; p < face.first_piece + face.n_pieces && is_inner; ++p) {
+      const FacePiece& piece = cut.pieces()[static_cast<std::size_t>(p)];
+      const int ghost = layer.ghost_of_piece(p);
+      double mean = placed.velocity[d](face.face[0], face.face[1], face.face[2]);
+      if (ghost >= 0)
+        mean = WallLayer::value_of(layer.ghosts()[static_cast<std::size_t>(ghost)], placed.velocity[d]), ++n_behind;
+      Point at = middle;
+      for (std::size_t t = 0; t < 2; ++t) at[(static_cast<std::size_t>(d) + 1 + t) % 3] += piece.offset[t];
+      EXPECT_NEAR(mean + shift[static_cast<std::size_t>(p)], linear(at, d), 1e-12) << d << " " << piece.share;
+      ++n_pieces;
+    }
+  }
+  EXPECT_GT(n_pieces, 200);
+  EXPECT_GT(n_behind, 50);
+}
+
 TEST_P(BesideAPlane, ValuesOfAParabolaAreExactButForTheInterpolation) {
   const Point wall = GetParam();
   PlacedBodies placed(uniform_box({n, n, n}, h), {plane(wall)});

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "flow-server/service/estimate_flow.hpp"
 #include "flow-server/service/make_flow_model.hpp"
@@ -194,6 +195,22 @@ TEST(EstimateFlow, CountsCellsAndLimits) {
   EXPECT_NEAR(numbers["explicit_diffusion_step_limit"], 0.5 / (0.25 * (16 + 100)), 1e-12);
   EXPECT_GT(numbers["seconds_per_solve"], 0);
   EXPECT_GT(numbers["memory_bytes"], 0);
+}
+
+TEST(EstimateFlow, RefusesASurfaceWithAHoleBeforeARun) {
+  const std::string folder = testing::TempDir();
+  std::ofstream(folder + "/pyramid_with_a_hole.obj") << "v 0.2 0.2 0.2\nv 0.4 0.2 0.2\nv 0.2 0.4 0.2\nv 0.2 0.2 0.4\n"
+                                                     << "f 1 3 2\nf 1 2 4\nf 1 4 3\n";
+  participant::OpenRequest request;
+  request.scene_folder = folder;
+  request.scene = scene_with("body { name: 'pyramid' file { file: 'pyramid_with_a_hole.obj' kind: CLOSED } }",
+                             axes + " z { uniform { start: 0 end: 1 cells: 4 } }");
+  try {
+    estimate_flow(request);
+    FAIL() << "a hole was not seen";
+  } catch (const report::SceneError& error) {
+    EXPECT_THAT(error.what(), testing::AllOf(HasSubstr("surface 'pyramid'"), HasSubstr("has a hole: the edge from (")));
+  }
 }
 
 TEST(MakeNavierStokes, TakesBodies) {
