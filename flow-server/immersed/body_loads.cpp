@@ -292,8 +292,10 @@ void BodyLoads::add_viscous_stress(const BodyGeometry& bodies, const VectorField
         patch.area += wall->area;
         patch.centre += area * wall->centroid;
         patch.velocity += area * wall->velocity;
-        for (const EdgeCrossing* end : wall->end)
-          patch.velocity_gradient += 0.5 * area * velocity_gradient_along(surface, end->triangle);
+        for (const WeighedCrossing& end : wall->end)
+          if (end.crossing)
+            patch.velocity_gradient +=
+                1.5 * end.weight * area * velocity_gradient_along(surface, end.crossing->triangle);
       }
       const double projected = patch.area.norm();
       if (projected == 0) continue;

@@ -17,11 +17,12 @@ class CornerSums {
   explicit CornerSums(const BodyGeometry& bodies)
       : bodies_(bodies), on_middle_(bodies.cut().middles().size(), Value::Zero()) {}
 
-  /// A third to each point of the triangle, as its mean velocity is made of theirs. Calls give(surface, corner, value);
-  /// what the middle of the wall gets waits for spread_middles().
+  /// To the points of the triangle as its mean velocity is made of theirs, a third each. Calls give(surface, corner,
+  /// value); what the middle of the wall gets waits for spread_middles().
   template <class Give>
   void add(const WallTriangle& wall, const Value& value, const Give& give) {
-    for (const EdgeCrossing* end : wall.end) spread(*end, value / 3, give);
+    for (const WeighedCrossing& end : wall.end)
+      if (end.crossing) spread(*end.crossing, end.weight * value, give);
     on_middle_[static_cast<std::size_t>(wall.middle)] += value / 3;
   }
 
@@ -31,8 +32,8 @@ class CornerSums {
     for (std::size_t m = 0; m < on_middle_.size(); ++m) {
       const WallMiddle& middle = bodies_.cut().middles()[m];
       for (int c = middle.first_crossing; c < middle.first_crossing + middle.n_crossings; ++c)
-        spread(*bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)], on_middle_[m] / middle.n_crossings,
-               give);
+        spread(*bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)].crossing,
+               bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)].weight * on_middle_[m], give);
     }
   }
 

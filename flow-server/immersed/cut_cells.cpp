@@ -1,6 +1,5 @@
 #include "flow-server/immersed/cut_cells.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace couplet::flow {
@@ -165,70 +164,6 @@ void CutCells::add_cell(const Triple& cell, std::span<const BodySurface> surface
   }
   cells_.push_back(cut);
   place(cell).cell = static_cast<int>(cells_.size());
-}
-
-void CutCells::add_walls(CutCell& cut, const FacesOfCell& faces, const ConnectedPieces& connected) {
-  cut.first_wall = static_cast<int>(walls_.size());
-  struct Middle {
-    int surface;
-    Eigen::Vector3d position, velocity;
-    double opening;
-    int n;
-  };
-  std::array<Middle, 6 * FaceCut::most_chords> middles;
-  std::size_t n_middles = 0;
-  const auto middle_of = [&](int surface) -> Middle& {
-    std::size_t m = 0;
-    while (m < n_middles && middles[m].surface != surface) ++m;
-    if (m == n_middles) middles[n_middles++] = {surface, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), 0, 0};
-    return middles[m];
-  };
-  // Each crossing is an end of two chords, on both faces beside its edge: the mean over the ends is that over
-  // crossings.
-  for (const FaceCut& face : faces)
-    for (int c = 0; c < face.n_chords(); ++c) {
-      const Chord& chord = face.chord(c);
-      Middle& middle = middle_of(chord.surface());
-      for (const bool is_from : {true, false}) {
-        const EdgeCrossing& crossing = is_from ? *chord.from : *chord.to;
-        middle.position += is_from ? chord.from_position : chord.to_position;
-        middle.velocity += crossing.velocity;
-        middle.opening += crossing.opening;
-        ++middle.n;
-      }
-    }
-  const int first_middle = static_cast<int>(middles_.size());
-  for (std::size_t m = 0; m < n_middles; ++m) {
-    Middle& middle = middles[m];
-    middle.position /= middle.n, middle.velocity /= middle.n, middle.opening /= middle.n;
-    middles_.push_back({static_cast<int>(middle_crossings_.size()), middle.n});
-    for (const FaceCut& face : faces)
-      for (int c = 0; c < face.n_chords(); ++c)
-        if (face.chord(c).surface() == middle.surface)
-          middle_crossings_.insert(middle_crossings_.end(), {face.chord(c).from, face.chord(c).to});
-  }
-  for (std::size_t f = 0; f < 6; ++f)
-    for (int c = 0; c < faces[f].n_chords(); ++c) {
-      const Chord& chord = faces[f].chord(c);
-      const Middle& middle = middle_of(chord.surface());
-      WallTriangle wall;
-      wall.surface = chord.surface();
-      wall.outer_part = cut.first_part + connected.part_of(f, chord.outer_piece);
-      wall.inner_part = cut.first_part + connected.part_of(f, chord.inner_piece);
-      wall.end = {chord.from, chord.to};
-      wall.middle = first_middle + static_cast<int>(&middle - middles.data());
-      // The outer piece runs counterclockwise from `from` to `to`; seen from outside the cell that is so on the faces
-      // at the ends of the cell, and the other way around on those at its start.
-      const Eigen::Vector3d a = chord.from_position - middle.position, b = chord.to_position - middle.position;
-      wall.area = (f % 2 == 1 ? 0.5 : -0.5) * b.cross(a);
-      wall.centroid = middle.position + (a + b) / 3;
-      wall.velocity = (chord.from->velocity + chord.to->velocity + middle.velocity) / 3;
-      if (parts_[static_cast<std::size_t>(wall.outer_part)].is_fluid &&
-          parts_[static_cast<std::size_t>(wall.inner_part)].is_fluid)
-        wall.opening = (chord.from->opening + chord.to->opening + middle.opening) / 3;
-      walls_.push_back(wall);
-    }
-  cut.n_walls = static_cast<int>(walls_.size()) - cut.first_wall;
 }
 
 int CutCells::find(const Triple& cell) const {

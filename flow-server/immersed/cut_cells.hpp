@@ -24,22 +24,29 @@ struct CutCell {
   std::array<std::array<int, 2>, 3> part_at_face{};  // where the middles of its faces stand: direction, start or end
 };
 
-/// The middle of the wall of one surface in a cell: the mean of all its crossings of the cell's edges.
+/// The middle of the wall of one surface in a cell: the mean of all its crossings of the cell's edges; where walls of
+/// two surfaces cross, of the corners of each part of it.
 struct WallMiddle {
   int first_crossing = 0, n_crossings = 0;  // in CutCells::middle_crossings()
+};
+/// A crossing, and how much of its place and velocity a point of the wall has.
+struct WeighedCrossing {
+  const EdgeCrossing* crossing = nullptr;
+  double weight = 0;
 };
 
 /// A triangle of the wall inside a cell: between a chord on one of the cell's faces and the middle of the wall there.
 /// The sum over a closed chain of chords is the wall's area whatever the middle is, and closes the parts on both sides:
-/// their face pieces and their wall sum to no area.
+/// their face pieces and their wall sum to no area. Where the walls of two surfaces cross in a cell, each is parted
+/// along the line between the crossings of their chords, to which further triangles lead.
 struct WallTriangle {
   int surface = 0;
-  int outer_part = 0, inner_part = 0;      // indices in CutCells::parts(); may be equal where the wall ends in the cell
-  Eigen::Vector3d area;                    // towards the outer side [m^2]
-  std::array<const EdgeCrossing*, 2> end;  // of the chord
-  int middle = 0;                          // index in CutCells::middles()
-  Eigen::Vector3d centroid;                // [m]
-  Eigen::Vector3d velocity;                // mean over the triangle [m/s]
+  int outer_part = 0, inner_part = 0;    // indices in CutCells::parts(); may be equal where the wall ends in the cell
+  Eigen::Vector3d area;                  // towards the outer side [m^2]
+  std::array<WeighedCrossing, 4> end{};  // of the chord, or those between which its ends lie; they sum to 2/3
+  int middle = 0;                        // index in CutCells::middles()
+  Eigen::Vector3d centroid;              // [m]
+  Eigen::Vector3d velocity;              // mean over the triangle [m/s]
   double opening = 0;
 };
 
@@ -78,7 +85,7 @@ class CutCells {
   const std::vector<FacePiece>& pieces() const { return pieces_; }
   const std::vector<WallTriangle>& walls() const { return walls_; }
   const std::vector<WallMiddle>& middles() const { return middles_; }
-  const std::vector<const EdgeCrossing*>& middle_crossings() const { return middle_crossings_; }
+  const std::vector<WeighedCrossing>& middle_crossings() const { return middle_crossings_; }
   const std::vector<int>& further_parts() const { return further_parts_; }  // of each further piece
 
   /// Index of a cut cell, -1 where nothing cuts it.
@@ -113,7 +120,7 @@ class CutCells {
   std::vector<FacePiece> pieces_;
   std::vector<WallTriangle> walls_;
   std::vector<WallMiddle> middles_;
-  std::vector<const EdgeCrossing*> middle_crossings_;
+  std::vector<WeighedCrossing> middle_crossings_;
   std::vector<int> further_parts_;
   /// Of a cell and the faces at its end, side by side in memory; counted from 1.
   struct Place {

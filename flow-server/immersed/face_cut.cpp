@@ -1,6 +1,7 @@
 #include "flow-server/immersed/face_cut.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace couplet::flow {
 
@@ -11,6 +12,11 @@ struct FaceCut::RimCrossing {
   bool leads_out;          // counterclockwise
   int edge, next_segment;  // of that edge, behind it counterclockwise
   int chord = -1;          // that ends here
+};
+
+/// Ends of a chord in the face, both directions from 0 to 1.
+struct FaceCut::FlatChord {
+  Eigen::Vector2d from, to;
 };
 
 namespace {
@@ -70,6 +76,21 @@ struct Outline {
     last = point;
   }
 };
+
+/// Where two chords cross that do not end on each other: the share of the way from one end of the first to the other.
+std::optional<double> crossing_share(const Flat& from, const Flat& to, const Flat& other_from, const Flat& other_to) {
+  const Flat way = to - from, other = other_to - other_from, between = other_from - from;
+  const double turn = cross(way, other);
+  if (turn == 0) return std::nullopt;
+  const double share = cross(between, other) / turn, other_share = cross(between, way) / turn;
+  if (share <= 0 || share >= 1 || other_share <= 0 || other_share >= 1) return std::nullopt;
+  return share;
+}
+
+/// The outer side of a chord lies to the left of the way back from its end to its start.
+bool is_on_outer_side(const Flat& from, const Flat& to, const Flat& point) {
+  return cross(from - to, point - to) > 0;
+}
 
 /// In which turn the rim passes each edge of a face.
 constexpr std::array<std::size_t, 4> turn_of_edge{0, 2, 3, 1};
@@ -178,13 +199,31 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
         static_cast<std::uint8_t>(piece);
   };
   const std::array<Flat, 4> corner_after{Flat(1, 0), Flat(1, 1), Flat(0, 1), Flat(0, 0)};
-  // Areas by the polygon of a piece: its arcs, joined by straight lines.
+  std::array<FlatChord, most_chords> flat;
+  for (std::size_t arc = 0; arc < n_arcs; ++arc) {
+    if (rim[arc].chord < 0) continue;
+    FlatChord& chord = flat[static_cast<std::size_t>(rim[arc].chord)];
+    (rim[arc].leads_out ? chord.from : chord.to) = rim[arc].place;
+  }
+  // Areas by the polygon of a piece: its arcs, joined by straight lines; from one chord to another where they cross.
   std::array<Outline, most_chords + 1> outline;
+  std::array<int, most_chords + 1> first_chord, last_chord;
+  const auto add_turn = [&](Outline& points, int chord, int next_chord) {
+    if (chord < 0 || next_chord < 0 || chord == next_chord) return;
+    const FlatChord &a = flat[static_cast<std::size_t>(chord)], &b = flat[static_cast<std::size_t>(next_chord)];
+    if (const std::optional<double> share = crossing_share(a.from, a.to, b.from, b.to))
+      points.add(a.from + *share * (a.to - a.from));
+  };
   for (std::size_t arc = 0; arc < n_arcs; ++arc) {
     const RimCrossing& begin = rim[arc];
     const RimCrossing& end = rim[(arc + 1) % n_arcs];
     const int piece = piece_of_arc[arc];
     Outline& points = outline[static_cast<std::size_t>(piece)];
+    if (points.is_empty)
+      first_chord[static_cast<std::size_t>(piece)] = begin.chord;
+    else
+      add_turn(points, last_chord[static_cast<std::size_t>(piece)], begin.chord);
+    last_chord[static_cast<std::size_t>(piece)] = end.chord;
     points.add(begin.place);
     mark(begin.edge, begin.next_segment, piece);
     std::size_t turn = turn_of_edge[static_cast<std::size_t>(begin.edge)];
@@ -204,7 +243,10 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
   double sum = 0;
   for (int piece = 0; piece < n_pieces_; ++piece) {
     Outline& points = outline[static_cast<std::size_t>(piece)];
-    if (!points.is_empty) points.add(points.first);
+    if (!points.is_empty) {
+      add_turn(points, last_chord[static_cast<std::size_t>(piece)], first_chord[static_cast<std::size_t>(piece)]);
+      points.add(points.first);
+    }
     const double twice = points.twice;
     if (twice > 1e-12) centroid_[static_cast<std::size_t>(piece)] = points.moment / twice;
     share_[static_cast<std::size_t>(piece)] = std::max(0.0, 0.5 * twice);
@@ -212,21 +254,58 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
   }
   for (int piece = 0; piece < n_pieces_ && sum > 0; ++piece) share_[static_cast<std::size_t>(piece)] /= sum;
 
-  // The outer side of a chord lies to the left of the way back from its end to its start.
   unsigned centre = 0;
   for (int c = 0; c < n_chords_; ++c) {
     Chord& chord = chords_[static_cast<std::size_t>(c)];
-    Flat from, to;
-    for (std::size_t arc = 0; arc < n_arcs; ++arc) {
-      if (rim[arc].chord != c) continue;
-      (rim[arc].leads_out ? from : to) = rim[arc].place;
-      (rim[arc].leads_out ? chord.outer_piece : chord.inner_piece) = piece_of_arc[arc];
-    }
-    if (cross(from - to, Flat(0.5, 0.5) - to) > 0) centre |= 1u << c;
+    for (std::size_t arc = 0; arc < n_arcs; ++arc)
+      if (rim[arc].chord == c) (rim[arc].leads_out ? chord.outer_piece : chord.inner_piece) = piece_of_arc[arc];
+    if (is_on_outer_side(flat[static_cast<std::size_t>(c)].from, flat[static_cast<std::size_t>(c)].to, {0.5, 0.5}))
+      centre |= 1u << c;
   }
+  const int n_whole = n_chords_;
+  for (int c = 0; c < n_whole; ++c)
+    split(c, std::span(flat).first(static_cast<std::size_t>(n_whole)),
+          std::span(pieces.things).first(static_cast<std::size_t>(n_pieces_)));
   centre_piece_ = static_cast<int>(std::max_element(share_.begin(), share_.begin() + n_pieces_) - share_.begin());
   for (std::size_t piece = 0; piece < pieces.size() && static_cast<int>(piece) < n_pieces_; ++piece)
     if (pieces[piece] == centre) centre_piece_ = static_cast<int>(piece);
+}
+
+/// Where other chords cross it a chord has other pieces beside it. `pieces`: on the outer side of which chords each
+/// lies.
+void FaceCut::split(int chord, std::span<const FlatChord> flat, std::span<const unsigned> pieces) {
+  const FlatChord& own = flat[static_cast<std::size_t>(chord)];
+  std::array<double, most_chords> at{};  // in rising order
+  std::size_t n = 0;
+  for (std::size_t other = 0; other < flat.size() && n < at.size(); ++other) {
+    if (static_cast<int>(other) == chord) continue;
+    const std::optional<double> share = crossing_share(own.from, own.to, flat[other].from, flat[other].to);
+    if (!share) continue;
+    std::size_t place = n++;
+    for (; place > 0 && at[place - 1] > *share; --place) at[place] = at[place - 1];
+    at[place] = *share;
+  }
+  if (n == 0 || n_chords_ + static_cast<int>(n) > most_parts) return;
+  const Chord whole = chords_[static_cast<std::size_t>(chord)];
+  for (std::size_t part = 0; part <= n; ++part) {
+    Chord& here = chords_[static_cast<std::size_t>(part == 0 ? chord : n_chords_++)];
+    here = whole;
+    here.from_share = part == 0 ? 0 : at[part - 1], here.to_share = part == n ? 1 : at[part];
+    const Eigen::Vector3d way = whole.to_position - whole.from_position;
+    here.from_position = whole.from_position + here.from_share * way;
+    here.to_position = part == n ? whole.to_position : whole.from_position + here.to_share * way;
+    const Flat middle = own.from + 0.5 * (here.from_share + here.to_share) * (own.to - own.from);
+    unsigned outer = 1u << chord;
+    for (std::size_t other = 0; other < flat.size(); ++other)
+      if (static_cast<int>(other) != chord && is_on_outer_side(flat[other].from, flat[other].to, middle))
+        outer |= 1u << other;
+    const auto piece_of = [&](unsigned signature, int otherwise) {
+      const auto found = std::find(pieces.begin(), pieces.end(), signature);
+      return found == pieces.end() ? otherwise : static_cast<int>(found - pieces.begin());
+    };
+    here.outer_piece = piece_of(outer, whole.outer_piece);
+    here.inner_piece = piece_of(outer & ~(1u << chord), whole.inner_piece);
+  }
 }
 
 }  // namespace couplet::flow

@@ -74,11 +74,44 @@ TEST(BodyLoads, WorkOfThePressureIsThePressureTimesTheFlowThroughTheWalls) {
   expect_dual_pressure(uniform_box({16, 16, 16}, 1.0 / 16), {sphere_surface({0.51, 0.48, 0.5}, 0.3, 4)});
   expect_dual_pressure(uniform_box({16, 16, 16}, 1.0 / 16),
                        {sphere_surface({0.3, 0.48, 0.5}, 0.2, 4), sphere_surface({0.75, 0.5, 0.5}, 0.15, 3)});
+  expect_dual_pressure(uniform_box({16, 16, 16}, 1.0 / 16),
+                       {sphere_surface({0.4, 0.48, 0.5}, 0.2, 4), sphere_surface({0.6, 0.5, 0.5}, 0.15, 3)});
   expect_dual_pressure(uniform_box({32, 32, 1}, 1.0 / 32, 2), {cylinder_surface({0.5, 0.52, 0}, 0.23, 90, 1.0 / 32)});
   // A sheet that opens towards its ends.
   BodySurface sheet = flat_sheet({0.2, 0.25, 0.21}, {0.6, 0.1, 0.05}, {-0.05, 0.5, 0.1}, 40);
   for (const Point& p : sheet.position) sheet.opening.push_back(std::clamp((p[0] - 0.6) / 0.1, 0.0, 1.0));
   expect_dual_pressure(uniform_box({16, 16, 16}, 1.0 / 16), {sheet});
+}
+
+/// The force on each of some bodies in a pressure that is 1 everywhere.
+std::vector<Vector> forces_in_even_pressure(const StretchedGrid& grid, const std::vector<BodySurface>& surfaces) {
+  PlacedBodies placed(grid, surfaces);
+  placed.set_pressure([](const Point&) { return 1.0; });
+  std::vector<SurfaceLoad> loads = BodyLoads::no_loads(surfaces);
+  BodyLoads(placed.block, 0).add_pressure(*placed.bodies, placed.pressure, loads);
+  std::vector<Vector> forces;
+  for (const SurfaceLoad& load : loads) forces.push_back(sum_of(load));
+  return forces;
+}
+
+TEST(BodyLoads, AnEvenPressureHasNoForceOnBodiesThatStandInEachOther) {
+  const int n = 32;
+  const double h = 1.0 / n;
+  for (const double shift : {0.0, 0.13, 0.29, 0.41, 0.57, 0.76, 0.88}) {
+    // A plate of the thickness t = 0.14 that sticks out of a cylinder, by a cell's share higher than its middle.
+    const double low = 0.43 + shift * h, high = 0.57 + shift * h, radius = 0.2;
+    BodySurface plate = cylinder_surface({0, 0, 0}, 1, 4, h);
+    const Point corners[] = {{0.9, high, 0}, {0.5, high, 0}, {0.5, low, 0}, {0.9, low, 0}};
+    for (std::size_t c = 0; c < 8; ++c) plate.position[c] = {corners[c % 4][0], corners[c % 4][1], c < 4 ? 0 : h};
+    const std::vector<Vector> forces =
+        forces_in_even_pressure(uniform_box({n, n, 1}, h, 2), {cylinder_surface({0.5, 0.5, 0}, radius, 180, h), plate});
+    EXPECT_LT((forces[0] + forces[1]).norm(), 1e-14 * n) << shift;
+    // On the plate the push against its end t h is left, and across it t times the difference of where its sides begin.
+    const auto begin = [&](double y) { return std::sqrt(radius * radius - (y - 0.5) * (y - 0.5)); };
+    const Vector expected(-(high - low) * h, (begin(high) - begin(low)) * h, 0);
+    EXPECT_LT((forces[1] - expected).norm(), 0.05 * h * h)
+        << shift << ": " << forces[1].transpose();  // chords are not arcs
+  }
 }
 
 TEST(BodyLoads, StressInAnyLinearFlowAlongWallsThatFlowWithItIsExact) {

@@ -217,6 +217,32 @@ TEST(CutCells, ASheetTakesNoVolume) {
   EXPECT_NEAR(fluid_in_cut_cells(grid), volume, 1e-13);  // both sides are fluid
 }
 
+/// The largest gap in the rim of a part with fluid.
+double largest_open_rim(const CutGrid& grid) {
+  const std::vector<Eigen::Vector3d> rims = open_rims(grid);
+  double largest = 0;
+  for (std::size_t part = 0; part < rims.size(); ++part)
+    if (grid.cut().parts()[part].is_fluid) largest = std::max(largest, rims[part].norm());
+  return largest;
+}
+
+TEST(CutCells, WallsOfBodiesThatStandInEachOtherCloseTheFluidBesideThem) {
+  const int n = 24;
+  const double h = 1.0 / n;
+  for (const double shift : {0.0, 0.1, 0.23, 0.37, 0.51, 0.68, 0.82, 0.94}) {
+    // A four-sided rod, turned by some angle, that sticks out of a cylinder.
+    BodySurface rod = cylinder_surface({0.5 + shift * h, 0.5 + 0.7 * shift * h, 0}, 0.35, 4, h);
+    for (Point& p : rod.position) p[1] = 0.5 + 0.2 * (p[1] - 0.5) + 0.3 * (p[0] - 0.5);
+    const CutGrid flat(uniform_box({n, n, 1}, h, 2), box_of({n, n, 1}), 0,
+                       {cylinder_surface({0.5, 0.5, 0}, 0.2, 90, h), rod});
+    EXPECT_LT(largest_open_rim(flat), 1e-14) << shift;  // round-off of areas of h^2
+    const CutGrid spheres(uniform_box({n, n, n}, h), box_of({n, n, n}), 0,
+                          {sphere_surface({0.41, 0.48 + shift * h, 0.5}, 0.23, 5),
+                           sphere_surface({0.64, 0.53, 0.47 + shift * h}, 0.18, 5)});
+    EXPECT_LT(largest_open_rim(spheres), 1e-14) << shift;
+  }
+}
+
 TEST(CutCells, ASheetThatStandsInABodyDoesNotOpenTowardsIt) {
   const int n = 8;
   const StretchedGrid box = uniform_box({n, n, n}, 1.0 / n);
