@@ -59,6 +59,26 @@ TEST(BodySurfaces, FollowPrescribedMotionWithTrianglesOfHalfACell) {
   }
 }
 
+TEST(BodySurfaces, BlendAWholeCellWhereTheyHaveSharpEdges) {
+  const auto blend_of = [](const BodySetup& setup, const StretchedGrid& grid) {
+    BodySurfaces bodies({setup}, grid);
+    return bodies.at(0)[0].blend_width;
+  };
+  const DepthSpan depth{0, 1, true};
+  BodySetup flag =
+      body_of("flag", make_polygon_prism({{0.2, 0.45}, {0.8, 0.45}, {0.8, 0.55}, {0.2, 0.55}}, depth, 0.05), true);
+  EXPECT_EQ(blend_of(flag, flat_box), 1);
+  EXPECT_EQ(blend_of(body_of("box", make_box({0.3, 0.3, 0.3}, {0.6, 0.7, 0.7}, 0.05), true), box), 1);
+  flag.blend_width = 0.5;
+  EXPECT_EQ(blend_of(flag, flat_box), 0.5);
+  // Round bodies, also where they end on borders, and corners that the fluid fills.
+  EXPECT_FALSE(blend_of(body_of("ball", make_ellipsoid({0.5, 0.5, 0.5}, {0.2, 0.2, 0.2}, 0.05), true), box));
+  EXPECT_FALSE(blend_of(body_of("rod", make_elliptic_cylinder({0.5, 0.5}, {0.2, 0.1}, depth, 0.02), true), flat_box));
+  BodySetup tube = body_of("tube", make_tube({0.2, 0.5, 0.5}, {0.8, 0.5, 0.5}, 0.2, 0.05), true);
+  tube.fluid = FluidSide::inside;
+  EXPECT_FALSE(blend_of(tube, box));
+}
+
 TEST(BodySurfaces, AreProlongedBeyondFreeEdgesButNotBeyondBorders) {
   BodySurfaces bodies({plate()}, box);
   double beyond = 0;
