@@ -9,7 +9,7 @@
 #include "flow-server/immersed/body_shape.hpp"
 #include "flow-server/immersed/body_surfaces.hpp"
 #include "flow-server/navier_stokes/fractional_step.hpp"
-#include "tests/verification/flow_cases.hpp"
+#include "tests/unit/flow-server/immersed/placed_bodies.hpp"
 
 namespace couplet::flow {
 namespace {
