@@ -10,6 +10,7 @@
 #include "flow-server/immersed/body_surfaces.hpp"
 #include "flow-server/navier_stokes/fractional_step.hpp"
 #include "tests/unit/flow-server/immersed/placed_bodies.hpp"
+#include "tests/verification/flow_cases.hpp"
 
 namespace couplet::flow {
 namespace {
