@@ -137,6 +137,7 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
   }
   const int n_lids =
       body.is_closed && body.closes_covered_holes ? close_holes(body_, body.fluid, planes, grid, others) : 0;
+  body_.n_lid_triangles = static_cast<int>(body_.triangle.size() - tessellation_.triangle().size());
   topology_ = orient_surface(body_, body.fluid, planes);
   if (n_lids > 0)
     topology_.notes.push_back(
