@@ -29,8 +29,8 @@ struct WallPoint {
   }
 };
 
-/// An end of a chord where another surface crosses it. Seen from outside the cell the wall's outline runs to the middle from
-/// there, or from the middle to there.
+/// An end of a chord where another surface crosses it. Seen from outside the cell the wall's outline runs to the middle
+/// from there, or from the middle to there.
 struct LooseEnd {
   WallPoint point;
   bool leads_here;  // from the middle
@@ -67,8 +67,8 @@ void CutCells::add_walls(CutCell& cut, const FacesOfCell& faces, const Connected
       if (found == walls.end()) walls.push_back({.surface = chord.surface(), .outer_part = outer, .inner_part = inner});
       walls[sides.back().wall].is_bent |= chord.has_bend[0] || chord.has_bend[1];
     }
-  // The mean of bends, which lies on the sharp edge: then all triangles lie in the planes beside it. Without bends that of
-  // all corners: a crossing of an edge is an end of two chords, on both faces beside it; a place where two surfaces
+  // The mean of bends, which lies on the sharp edge: then all triangles lie in the planes beside it. Without bends that
+  // of all corners: a crossing of an edge is an end of two chords, on both faces beside it; a place where two surfaces
   // cross is the end of one, and of the line to the next such place.
   const auto for_each_corner = [&](const auto& visit) {
     for (const Side& side : sides)

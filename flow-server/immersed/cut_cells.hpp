@@ -24,8 +24,8 @@ struct CutCell {
   std::array<std::array<int, 2>, 3> part_at_face{};  // where the middles of its faces stand: direction, start or end
 };
 
-/// The middle of the wall of one surface between two parts of a cell: the mean of its corners, or of the bends among them
-/// if there are any.
+/// The middle of the wall of one surface between two parts of a cell: the mean of its corners, or of the bends among
+/// them if there are any.
 struct WallMiddle {
   int first_point = 0, n_points = 0;  // in CutCells::middle_points()
 };
@@ -41,12 +41,12 @@ struct WeighedPoint {
 /// along the line between the crossings of their chords, to which further triangles lead.
 struct WallTriangle {
   int surface = 0;
-  int outer_part = 0, inner_part = 0;    // indices in CutCells::parts(); may be equal where the wall ends in the cell
-  Eigen::Vector3d area;                  // towards the outer side [m^2]
-  std::array<WeighedPoint, 4> end{};  // of the chord, or those between which its ends lie; they sum to 2/3
-  int middle = 0;                        // index in CutCells::middles()
-  Eigen::Vector3d centroid;              // [m]
-  Eigen::Vector3d velocity;              // mean over the triangle [m/s]
+  int outer_part = 0, inner_part = 0;  // indices in CutCells::parts(); may be equal where the wall ends in the cell
+  Eigen::Vector3d area;                // towards the outer side [m^2]
+  std::array<WeighedPoint, 4> end{};   // of the chord, or those between which its ends lie; they sum to 2/3
+  int middle = 0;                      // index in CutCells::middles()
+  Eigen::Vector3d centroid;            // [m]
+  Eigen::Vector3d velocity;            // mean over the triangle [m/s]
   double opening = 0;
 };
 

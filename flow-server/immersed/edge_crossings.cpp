@@ -27,7 +27,7 @@ double side_of_edge(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
 }  // namespace
 
 EdgeCrossings::EdgeCrossings(const StretchedGrid& grid, const Box& mine, int layers)
-    : grid_(grid), is_flat_(grid.n_dimensions == 2), bends_(cells_, corners_, is_flat_) {
+    : grid_(grid), is_flat_(grid.n_dimensions == 2), bends_(is_flat_) {
   Box all;
   for (int d = 0; d < 3; ++d) {
     const StretchedAxis& axis = grid.axis[d];
@@ -75,7 +75,7 @@ void EdgeCrossings::update(std::span<const BodySurface> surfaces) {
   find_inside();
   std::vector<Eigen::Vector3d> shifts = images_;
   for (Eigen::Vector3d& shift : shifts) shift += nudge_;
-  bends_.update(surfaces, shifts);
+  bends_.update(surfaces, shifts, cells_, corners_);
 }
 
 void EdgeCrossings::add_triangle(const BodySurface& surface, int surface_index, int triangle,

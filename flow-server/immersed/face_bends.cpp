@@ -1,14 +1,10 @@
 #include "flow-server/immersed/face_bends.hpp"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 
 namespace couplet::flow {
 
 namespace {
-
-/// Cosine of the angle by which the normal turns at a sharp edge: 45 degrees. A cylinder of nine flat sides is smooth.
-constexpr double sharp_cosine = 0.7;
 
 Eigen::Vector3d corner_of(const BodySurface& surface, int triangle, int v) {
   const auto c =
@@ -16,20 +12,15 @@ Eigen::Vector3d corner_of(const BodySurface& surface, int triangle, int v) {
   return {surface.position[c][0], surface.position[c][1], surface.position[c][2]};
 }
 
-/// Area vector, twice [m^2].
-Eigen::Vector3d normal_of(const BodySurface& surface, int triangle) {
-  const Eigen::Vector3d first = corner_of(surface, triangle, 0);
-  return (corner_of(surface, triangle, 1) - first).cross(corner_of(surface, triangle, 2) - first);
-}
-
 }  // namespace
 
-void FaceBends::update(std::span<const BodySurface> surfaces, std::span<const Eigen::Vector3d> shifts) {
-  while (sharp_edges_.size() < surfaces.size()) sharp_edges_.push_back(find_sharp_edges(surfaces[sharp_edges_.size()]));
+void FaceBends::update(std::span<const BodySurface> surfaces, std::span<const Eigen::Vector3d> shifts, const Box& cells,
+                       const std::array<std::vector<double>, 3>& corners) {
   found_.clear(), face_.clear(), bend_.clear();
   for (std::size_t s = 0; s < surfaces.size(); ++s)
-    for (const SharpEdge& edge : sharp_edges_[s])
-      for (const Eigen::Vector3d& shift : shifts) cross_faces(surfaces[s], static_cast<int>(s), edge, shift);
+    for (const SharpEdge& edge : surfaces[s].sharp_edge)
+      for (const Eigen::Vector3d& shift : shifts)
+        cross_faces(surfaces[s], static_cast<int>(s), edge, shift, cells, corners);
   std::stable_sort(found_.begin(), found_.end(), [](const Found& a, const Found& b) { return a.face < b.face; });
   for (const Found& found : found_) {
     face_.push_back(found.face);
@@ -37,39 +28,14 @@ void FaceBends::update(std::span<const BodySurface> surfaces, std::span<const Ei
   }
 }
 
-std::vector<FaceBends::SharpEdge> FaceBends::find_sharp_edges(const BodySurface& surface) {
-  std::vector<SharpEdge> sharp;
-  if (!surface.is_closed) return sharp;
-  struct Side {
-    std::array<int, 2> corners;  // of the surface, the smaller number first
-    SharpEdge edge;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * surface.triangle.size());
-  const std::size_t n_wetted = surface.triangle.size() - static_cast<std::size_t>(surface.n_lid_triangles);
-  for (std::size_t t = 0; t < n_wetted; ++t)
-    for (int v = 0; v < 3; ++v) {
-      const int a = surface.triangle[t][static_cast<std::size_t>(v)];
-      const int b = surface.triangle[t][static_cast<std::size_t>((v + 1) % 3)];
-      sides.push_back({{std::min(a, b), std::max(a, b)}, {static_cast<int>(t), {v, (v + 1) % 3}}});
-    }
-  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.corners < b.corners; });
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    if (sides[i].corners != sides[i + 1].corners) continue;
-    const Eigen::Vector3d one = normal_of(surface, sides[i].edge.triangle);
-    const Eigen::Vector3d other = normal_of(surface, sides[i + 1].edge.triangle);
-    if (one.dot(other) < sharp_cosine * one.norm() * other.norm()) sharp.push_back(sides[i].edge);
-  }
-  return sharp;
-}
-
 void FaceBends::cross_faces(const BodySurface& surface, int surface_index, const SharpEdge& edge,
-                            const Eigen::Vector3d& shift) {
+                            const Eigen::Vector3d& shift, const Box& cells,
+                            const std::array<std::vector<double>, 3>& corners) {
   const Eigen::Vector3d from = corner_of(surface, edge.triangle, edge.end[0]) + shift;
   const Eigen::Vector3d way = corner_of(surface, edge.triangle, edge.end[1]) + shift - from;
   for (int d = is_flat_ ? 2 : 0; d < 3; ++d) {
     if (way[d] == 0) continue;
-    const std::vector<double>& along = corners_[static_cast<std::size_t>(d)];
+    const std::vector<double>& along = corners[static_cast<std::size_t>(d)];
     // In two dimensions all is seen in the middle plane.
     const double middle = 0.5 * (along.front() + along.back());
     const std::span<const double> planes = is_flat_ ? std::span<const double>(&middle, 1) : std::span(along);
@@ -79,16 +45,16 @@ void FaceBends::cross_faces(const BodySurface& surface, int surface_index, const
       const double share = (*plane - from[d]) / way[d];
       Found found;
       found.face.direction = d;
-      found.face.corner[d] = is_flat_ ? 0 : cells_.begin[d] + static_cast<int>(plane - planes.begin());
+      found.face.corner[d] = is_flat_ ? 0 : cells.begin[d] + static_cast<int>(plane - planes.begin());
       bool is_looked_at = true;
       for (int t = 0; t < 2; ++t) {
         const int e = (d + 1 + t) % 3;
-        const std::vector<double>& at = corners_[static_cast<std::size_t>(e)];
+        const std::vector<double>& at = corners[static_cast<std::size_t>(e)];
         const double x = from[e] + share * way[e];
         const auto behind = std::upper_bound(at.begin(), at.end(), x);
         is_looked_at = is_looked_at && behind != at.begin() && behind != at.end();
         if (!is_looked_at) break;
-        found.face.corner[e] = cells_.begin[e] + static_cast<int>(behind - at.begin()) - 1;
+        found.face.corner[e] = cells.begin[e] + static_cast<int>(behind - at.begin()) - 1;
         found.bend.place[t] = (x - *(behind - 1)) / (*behind - *(behind - 1));
       }
       if (!is_looked_at) continue;

@@ -19,31 +19,21 @@ struct FaceBend {
 
 /// Between two crossings of a face's rim the trace of a smooth surface is a chord. Where an edge of a body passes
 /// through the face it is not: chords alone cut the corner off, the more the nearer a wall stands to a face that is
-/// parallel to it, and the pressure on that wall jumps as it passes the face. Edges of closed bodies are looked for at
-/// which the normals turn by more than 45 degrees; smooth surfaces have none, and cost nothing. Rims of lids, which lie
-/// on other bodies, are left out.
+/// parallel to it, and the pressure on that wall jumps as it passes the face.
 class FaceBends {
  public:
-  /// Corners of the lattice along each axis, from `cells.begin` to `cells.end`; all must outlive this.
-  FaceBends(const Box& cells, const std::array<std::vector<double>, 3>& corners, bool is_flat)
-      : cells_(cells), corners_(corners), is_flat_(is_flat) {}
+  explicit FaceBends(bool is_flat) : is_flat_(is_flat) {}
 
-  /// All surfaces, at their present place and at all `shifts` of it. Which edges are sharp is found when a surface is
-  /// seen for the first time.
-  void update(std::span<const BodySurface> surfaces, std::span<const Eigen::Vector3d> shifts);
+  /// All surfaces, at their present place and at all `shifts` of it, in the faces of some cells; `corners`: along each
+  /// axis, from cells.begin to cells.end included [m].
+  void update(std::span<const BodySurface> surfaces, std::span<const Eigen::Vector3d> shifts, const Box& cells,
+              const std::array<std::vector<double>, 3>& corners);
 
   /// Of the face normal to d whose corner with the smallest coordinates is given; in two dimensions those along z are
   /// one.
   std::span<const FaceBend> in_face(int d, const Triple& corner) const;
 
  private:
-  struct SharpEdge {
-    int triangle;
-    std::array<int, 2> end;  // corners of that triangle: 0 to 2
-  };
-  static std::vector<SharpEdge> find_sharp_edges(const BodySurface& surface);
-  void cross_faces(const BodySurface& surface, int surface_index, const SharpEdge& edge, const Eigen::Vector3d& shift);
-
   struct Face {
     int direction;
     Triple corner;
@@ -54,10 +44,10 @@ class FaceBends {
     FaceBend bend;
   };
 
-  const Box& cells_;
-  const std::array<std::vector<double>, 3>& corners_;
+  void cross_faces(const BodySurface& surface, int surface_index, const SharpEdge& edge, const Eigen::Vector3d& shift,
+                   const Box& cells, const std::array<std::vector<double>, 3>& corners);
+
   bool is_flat_;
-  std::vector<std::vector<SharpEdge>> sharp_edges_;  // of each surface
   std::vector<Found> found_;
   std::vector<Face> face_;      // with bends, in rising order
   std::vector<FaceBend> bend_;  // of each of them, in the same order

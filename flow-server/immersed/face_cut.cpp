@@ -124,7 +124,8 @@ struct FaceCut::Trace {
     }
     return is_outer;
   }
-  /// Where another trace crosses it: the straight parts of both, counted from 0, and the share of the way along its own.
+  /// Where another trace crosses it: the straight parts of both, counted from 0, and the share of the way along its
+  /// own.
   struct Meeting {
     int part, other_part;
     double share;

@@ -9,9 +9,9 @@
 
 namespace couplet::flow {
 
-/// A straight part of a surface's trace on a face: the trace runs from one crossing of its rim to another, bends where a
-/// sharp edge of a body passes through the face, and is parted where the trace of another surface crosses it, as where
-/// one body stands in another.
+/// A straight part of a surface's trace on a face: the trace runs from one crossing of its rim to another, bends where
+/// a sharp edge of a body passes through the face, and is parted where the trace of another surface crosses it, as
+/// where one body stands in another.
 struct Chord {
   /// Crossings of the rim, or bends, between which it lies. From the start of the trace on, counterclockwise around the
   /// positive normal, is the outer side.
