@@ -292,10 +292,9 @@ void BodyLoads::add_viscous_stress(const BodyGeometry& bodies, const VectorField
         patch.area += wall->area;
         patch.centre += area * wall->centroid;
         patch.velocity += area * wall->velocity;
-        for (const WeighedCrossing& end : wall->end)
-          if (end.crossing)
-            patch.velocity_gradient +=
-                1.5 * end.weight * area * velocity_gradient_along(surface, end.crossing->triangle);
+        for (const WeighedPoint& end : wall->end)
+          if (end.point)
+            patch.velocity_gradient += 1.5 * end.weight * area * velocity_gradient_along(surface, end.point->triangle);
       }
       const double projected = patch.area.norm();
       if (projected == 0) continue;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "flow-server/boundary/space_time_value.hpp"
+#include "flow-server/immersed/sharp_edges.hpp"
 
 namespace couplet::flow {
 
@@ -19,6 +20,8 @@ struct BodySurface {
   std::vector<Point> position;  // (n_corners) [m]
   std::vector<Point> velocity;  // (n_corners) [m/s]
   std::vector<std::array<int, 3>> triangle;  // corners; the right-hand normal points to the side that is called outer
+  /// Of a closed surface, without those of lids over holes that no fluid reaches; empty: taken as smooth everywhere.
+  std::vector<SharpEdge> sharp_edge = {};
   /// Share of the fluid that passes through the surface as if it were not there; empty: 0 everywhere. Rises linearly
   /// across a smooth free edge, where the triangles go on beyond the sheet, and further above 1 to their end: at a
   /// place between corners it is min(sum of weight opening, 1), cut off after the interpolation and nowhere else.

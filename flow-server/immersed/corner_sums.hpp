@@ -21,8 +21,8 @@ class CornerSums {
   /// value); what the middle of the wall gets waits for spread_middles().
   template <class Give>
   void add(const WallTriangle& wall, const Value& value, const Give& give) {
-    for (const WeighedCrossing& end : wall.end)
-      if (end.crossing) spread(*end.crossing, end.weight * value, give);
+    for (const WeighedPoint& end : wall.end)
+      if (end.point) spread(*end.point, end.weight * value, give);
     on_middle_[static_cast<std::size_t>(wall.middle)] += value / 3;
   }
 
@@ -31,19 +31,20 @@ class CornerSums {
   void spread_middles(const Give& give) const {
     for (std::size_t m = 0; m < on_middle_.size(); ++m) {
       const WallMiddle& middle = bodies_.cut().middles()[m];
-      for (int c = middle.first_crossing; c < middle.first_crossing + middle.n_crossings; ++c)
-        spread(*bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)].crossing,
-               bodies_.cut().middle_crossings()[static_cast<std::size_t>(c)].weight * on_middle_[m], give);
+      for (int p = middle.first_point; p < middle.first_point + middle.n_points; ++p) {
+        const WeighedPoint& corner = bodies_.cut().middle_points()[static_cast<std::size_t>(p)];
+        spread(*corner.point, corner.weight * on_middle_[m], give);
+      }
     }
   }
 
  private:
   template <class Give>
-  void spread(const EdgeCrossing& crossing, const Value& value, const Give& give) const {
-    const auto s = static_cast<std::size_t>(crossing.surface);
-    const auto& corners = bodies_.surfaces()[s].triangle[static_cast<std::size_t>(crossing.triangle)];
+  void spread(const SurfacePoint& point, const Value& value, const Give& give) const {
+    const auto s = static_cast<std::size_t>(point.surface);
+    const auto& corners = bodies_.surfaces()[s].triangle[static_cast<std::size_t>(point.triangle)];
     for (std::size_t v = 0; v < 3; ++v)
-      give(s, static_cast<std::size_t>(corners[v]), Value(crossing.weight[static_cast<Eigen::Index>(v)] * value));
+      give(s, static_cast<std::size_t>(corners[v]), Value(point.weight[static_cast<Eigen::Index>(v)] * value));
   }
 
   const BodyGeometry& bodies_;

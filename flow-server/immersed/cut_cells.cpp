@@ -31,7 +31,7 @@ void CutCells::update(std::span<const BodySurface> surfaces) {
   for (const CutCell& cut : cells_) place(cut.cell) = {};
   for (const CutFace& face : faces_) place(face.face) = {};
   cells_.clear(), parts_.clear(), faces_.clear(), pieces_.clear(), walls_.clear();
-  middles_.clear(), middle_crossings_.clear(), further_parts_.clear();
+  middles_.clear(), middle_points_.clear(), further_parts_.clear();
   n_lone_crossings_ = 0;
   const Box& looked_at = crossings_.cells();
   std::vector<std::size_t> cells;  // by their number in the box looked at

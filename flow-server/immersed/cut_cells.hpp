@@ -24,14 +24,14 @@ struct CutCell {
   std::array<std::array<int, 2>, 3> part_at_face{};  // where the middles of its faces stand: direction, start or end
 };
 
-/// The middle of the wall of one surface in a cell: the mean of all its crossings of the cell's edges; where walls of
-/// two surfaces cross, of the corners of each part of it.
+/// The middle of the wall of one surface between two parts of a cell: the mean of its corners, or of the bends among
+/// them if there are any.
 struct WallMiddle {
-  int first_crossing = 0, n_crossings = 0;  // in CutCells::middle_crossings()
+  int first_point = 0, n_points = 0;  // in CutCells::middle_points()
 };
-/// A crossing, and how much of its place and velocity a point of the wall has.
-struct WeighedCrossing {
-  const EdgeCrossing* crossing = nullptr;
+/// A point of a surface, and how much of its place and velocity a point of the wall has.
+struct WeighedPoint {
+  const SurfacePoint* point = nullptr;
   double weight = 0;
 };
 
@@ -41,12 +41,12 @@ struct WeighedCrossing {
 /// along the line between the crossings of their chords, to which further triangles lead.
 struct WallTriangle {
   int surface = 0;
-  int outer_part = 0, inner_part = 0;    // indices in CutCells::parts(); may be equal where the wall ends in the cell
-  Eigen::Vector3d area;                  // towards the outer side [m^2]
-  std::array<WeighedCrossing, 4> end{};  // of the chord, or those between which its ends lie; they sum to 2/3
-  int middle = 0;                        // index in CutCells::middles()
-  Eigen::Vector3d centroid;              // [m]
-  Eigen::Vector3d velocity;              // mean over the triangle [m/s]
+  int outer_part = 0, inner_part = 0;  // indices in CutCells::parts(); may be equal where the wall ends in the cell
+  Eigen::Vector3d area;                // towards the outer side [m^2]
+  std::array<WeighedPoint, 4> end{};   // of the chord, or those between which its ends lie; they sum to 2/3
+  int middle = 0;                      // index in CutCells::middles()
+  Eigen::Vector3d centroid;            // [m]
+  Eigen::Vector3d velocity;            // mean over the triangle [m/s]
   double opening = 0;
 };
 
@@ -85,7 +85,7 @@ class CutCells {
   const std::vector<FacePiece>& pieces() const { return pieces_; }
   const std::vector<WallTriangle>& walls() const { return walls_; }
   const std::vector<WallMiddle>& middles() const { return middles_; }
-  const std::vector<WeighedCrossing>& middle_crossings() const { return middle_crossings_; }
+  const std::vector<WeighedPoint>& middle_points() const { return middle_points_; }
   const std::vector<int>& further_parts() const { return further_parts_; }  // of each further piece
 
   /// Index of a cut cell, -1 where nothing cuts it.
@@ -120,7 +120,7 @@ class CutCells {
   std::vector<FacePiece> pieces_;
   std::vector<WallTriangle> walls_;
   std::vector<WallMiddle> middles_;
-  std::vector<WeighedCrossing> middle_crossings_;
+  std::vector<WeighedPoint> middle_points_;
   std::vector<int> further_parts_;
   /// Of a cell and the faces at its end, side by side in memory; counted from 1.
   struct Place {

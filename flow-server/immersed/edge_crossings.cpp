@@ -27,7 +27,7 @@ double side_of_edge(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Ei
 }  // namespace
 
 EdgeCrossings::EdgeCrossings(const StretchedGrid& grid, const Box& mine, int layers)
-    : grid_(grid), is_flat_(grid.n_dimensions == 2) {
+    : grid_(grid), is_flat_(grid.n_dimensions == 2), bends_(is_flat_) {
   Box all;
   for (int d = 0; d < 3; ++d) {
     const StretchedAxis& axis = grid.axis[d];
@@ -39,7 +39,7 @@ EdgeCrossings::EdgeCrossings(const StretchedGrid& grid, const Box& mine, int lay
       all.end[d] = std::min(all.end[d], axis.n_cells());
     }
     for (int i = all.begin[d]; i <= all.end[d]; ++i) corners_[d].push_back(axis.face(i));
-    nudge_[d] = nudges[d] * axis.smallest_width();
+    nudge_[d] = nudges[static_cast<std::size_t>(d)] * axis.smallest_width();
   }
   cells_ = all.relative_to(mine.begin);
   images_ = {Eigen::Vector3d::Zero()};
@@ -73,6 +73,9 @@ void EdgeCrossings::update(std::span<const BodySurface> surfaces) {
         add_triangle(surfaces[s], static_cast<int>(s), static_cast<int>(t), shift);
   sort_crossings();
   find_inside();
+  std::vector<Eigen::Vector3d> shifts = images_;
+  for (Eigen::Vector3d& shift : shifts) shift += nudge_;
+  bends_.update(surfaces, shifts, cells_, corners_);
 }
 
 void EdgeCrossings::add_triangle(const BodySurface& surface, int surface_index, int triangle,

@@ -1,5 +1,6 @@
 #pragma once
-// Where surfaces cross the edges of cells: all that the flow knows of their shape comes from here.
+// Where surfaces cross the edges of cells, and where their sharp edges cross faces: all that the flow knows of their
+// shape.
 
 #include <Eigen/Core>
 #include <array>
@@ -10,17 +11,13 @@
 #include "flow-server/grid/field.hpp"
 #include "flow-server/grid/stretched_grid.hpp"
 #include "flow-server/immersed/body_surface.hpp"
+#include "flow-server/immersed/face_bends.hpp"
 
 namespace couplet::flow {
 
-struct EdgeCrossing {
-  double share = 0;          // of the edge before it, between 0 and 1, never either
-  int surface = 0;           // index among the bodies
-  int triangle = 0;          // of that surface
-  Eigen::Vector3d weight;    // of the three corners of the triangle
-  bool leads_out = false;    // going along the axis: from the inner to the outer side
-  double opening = 0;        // of the surface there
-  Eigen::Vector3d velocity;  // of the surface there [m/s]
+struct EdgeCrossing : SurfacePoint {
+  double share = 0;        // of the edge before it, between 0 and 1, never either
+  bool leads_out = false;  // going along the axis: from the inner to the outer side
 };
 
 /// Edges of the cells of a block and some layers around it. Edge (d, i, j, k) runs along direction d from the corner
@@ -41,6 +38,8 @@ class EdgeCrossings {
   const Box& cells() const { return cells_; }  // looked at, local indices
   /// In rising order; empty outside the cells looked at.
   std::span<const EdgeCrossing> on_edge(int d, const Triple& corner) const;
+  /// Of the face normal to d whose corner with the smallest coordinates is given.
+  std::span<const FaceBend> bends_in_face(int d, const Triple& corner) const { return bends_.in_face(d, corner); }
   /// Whether a corner of the cells looked at lies inside a closed surface.
   bool is_inside(const Triple& corner) const;
   /// Corners inside closed surfaces of a line along x.
@@ -85,9 +84,10 @@ class EdgeCrossings {
   bool is_flat_;                                // two dimensions
   Box cells_;                                   // local
   std::array<std::vector<double>, 3> corners_;  // of the cells looked at, from begin to end included [m]
-  std::array<double, 3> nudge_{};               // [m]
-  std::vector<Eigen::Vector3d> images_;         // shifts under which surfaces are seen in periodic directions
-  std::array<Field<int>, 3> place_;             // of an edge in first_, counted from 1; 0: not crossed
+  FaceBends bends_;
+  Eigen::Vector3d nudge_;                // [m]
+  std::vector<Eigen::Vector3d> images_;  // shifts under which surfaces are seen in periodic directions
+  std::array<Field<int>, 3> place_;      // of an edge in first_, counted from 1; 0: not crossed
   std::vector<Found> found_;
   std::vector<Order> order_;  // of found_, as they are sorted
   std::vector<EdgeCrossing> crossings_;

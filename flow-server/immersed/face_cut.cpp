@@ -11,12 +11,7 @@ struct FaceCut::RimCrossing {
   Eigen::Vector2d place;   // in the face, both directions from 0 to 1
   bool leads_out;          // counterclockwise
   int edge, next_segment;  // of that edge, behind it counterclockwise
-  int chord = -1;          // that ends here
-};
-
-/// Ends of a chord in the face, both directions from 0 to 1.
-struct FaceCut::FlatChord {
-  Eigen::Vector2d from, to;
+  int trace = -1;          // that ends here
 };
 
 namespace {
@@ -87,15 +82,62 @@ std::optional<double> crossing_share(const Flat& from, const Flat& to, const Fla
   return share;
 }
 
-/// The outer side of a chord lies to the left of the way back from its end to its start.
-bool is_on_outer_side(const Flat& from, const Flat& to, const Flat& point) {
-  return cross(from - to, point - to) > 0;
-}
-
 /// In which turn the rim passes each edge of a face.
 constexpr std::array<std::size_t, 4> turn_of_edge{0, 2, 3, 1};
 
 }  // namespace
+
+/// The trace of a surface from one crossing of the rim to another, through up to two bends in between.
+struct FaceCut::Trace {
+  static constexpr int most_points = 4;
+  std::array<Flat, most_points> place;  // in the face, both directions from 0 to 1
+  std::array<const SurfacePoint*, most_points> on{};
+  int n_points = 0;
+
+  const Flat& at(int p) const { return place[static_cast<std::size_t>(p)]; }
+  void insert(int p, const SurfacePoint& point, const Flat& where) {
+    for (int q = n_points++; q > p; --q) {
+      place[static_cast<std::size_t>(q)] = at(q - 1);
+      on[static_cast<std::size_t>(q)] = on[static_cast<std::size_t>(q - 1)];
+    }
+    place[static_cast<std::size_t>(p)] = where;
+    on[static_cast<std::size_t>(p)] = &point;
+  }
+  /// By how much the trace becomes longer when it goes through `where` before the point p.
+  double detour(const Flat& where, int p) const {
+    return (where - at(p - 1)).norm() + (at(p) - where).norm() - (at(p) - at(p - 1)).norm();
+  }
+  int shortest_way_through(const Flat& where) const {
+    int best = 1;
+    for (int p = 2; p < n_points; ++p)
+      if (detour(where, p) < detour(where, best)) best = p;
+    return best;
+  }
+  /// The outer side lies to the left of the straight way back from the end to the start; not so between that and the
+  /// trace, whose outline a ray along the first direction meets an odd number of times from there.
+  bool has_on_outer_side(const Flat& where) const {
+    bool is_outer = cross(at(0) - at(n_points - 1), where - at(n_points - 1)) > 0;
+    for (int p = 0; p < n_points && n_points > 2; ++p) {
+      const Flat &a = at(p), &b = at((p + 1) % n_points);
+      if ((a[1] > where[1]) == (b[1] > where[1])) continue;
+      if (where[0] < a[0] + (where[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])) is_outer = !is_outer;
+    }
+    return is_outer;
+  }
+  /// Where another trace crosses it: the straight parts of both, counted from 0, and the share of the way along its
+  /// own.
+  struct Meeting {
+    int part, other_part;
+    double share;
+  };
+  std::optional<Meeting> meet(const Trace& other) const {
+    for (int p = 0; p + 1 < n_points; ++p)
+      for (int q = 0; q + 1 < other.n_points; ++q)
+        if (const auto share = crossing_share(at(p), at(p + 1), other.at(q), other.at(q + 1)))
+          return Meeting{p, q, *share};
+    return std::nullopt;
+  }
+};
 
 FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
   centroid_.fill(Flat(0.5, 0.5));
@@ -131,8 +173,10 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
     return;
   }
 
-  // Chords, surface by surface. Where there is a choice the shorter ones are meant.
+  // Traces, surface by surface. Where there is a choice the shorter ones are meant.
   const auto leads_out = [&](int c) { return rim[static_cast<std::size_t>(c)].leads_out; };
+  std::array<Trace, most_traces> traces;
+  int n_traces = 0;
   OfFace<int> surfaces;
   for (const RimCrossing& crossing : rim)
     if (std::find(surfaces.begin(), surfaces.end(), crossing.crossing->surface) == surfaces.end())
@@ -153,35 +197,40 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
     }
     has_lone_crossing_ = has_lone_crossing_ || 2 * best.size() < around.size();
     for (const auto& pair : best) {
-      if (n_chords_ == most_chords) break;
+      if (n_traces == most_traces) break;
       const int out = leads_out(pair[0]) ? pair[0] : pair[1], in = leads_out(pair[0]) ? pair[1] : pair[0];
-      Chord& chord = chords_[static_cast<std::size_t>(n_chords_)];
-      chord.from = rim[static_cast<std::size_t>(out)].crossing;
-      chord.to = rim[static_cast<std::size_t>(in)].crossing;
-      for (const bool is_from : {true, false}) {
-        RimCrossing& end = rim[static_cast<std::size_t>(is_from ? out : in)];
-        end.chord = n_chords_;
-        Eigen::Vector3d& position = is_from ? chord.from_position : chord.to_position;
-        position[d] = crossings.position(d, corner[d]);
-        for (const int e : {e1, e2}) {
-          const double start = crossings.position(e, corner[e]), width = crossings.position(e, corner[e] + 1) - start;
-          position[e] = start + width * end.place[e == e1 ? 0 : 1];
-        }
+      Trace& trace = traces[static_cast<std::size_t>(n_traces)];
+      for (const int end : {out, in}) {
+        RimCrossing& crossing = rim[static_cast<std::size_t>(end)];
+        crossing.trace = n_traces;
+        trace.insert(trace.n_points, *crossing.crossing, crossing.place);
       }
-      ++n_chords_;
+      ++n_traces;
     }
   }
+  // Each bend belongs to the trace of its surface to which it is the least detour.
+  for (const FaceBend& bend : crossings.bends_in_face(d, corner)) {
+    Trace* nearest = nullptr;
+    double least = 0;
+    for (int t = 0; t < n_traces; ++t) {
+      Trace& trace = traces[static_cast<std::size_t>(t)];
+      if (trace.on[0]->surface != bend.point.surface || trace.n_points == Trace::most_points) continue;
+      const double detour = trace.detour(bend.place, trace.shortest_way_through(bend.place));
+      if (!nearest || detour < least) nearest = &trace, least = detour;
+    }
+    if (nearest) nearest->insert(nearest->shortest_way_through(bend.place), bend.point, bend.place);
+  }
 
-  // Arc a of the rim lies between its crossings a and a + 1: on the outer side of a chord from there to where it leads
-  // in again. Arcs that no chord parts make a piece.
+  // Arc a of the rim lies between its crossings a and a + 1: on the outer side of a trace from there to where it leads
+  // in again. Arcs that no trace parts make a piece.
   const std::size_t n_arcs = rim.size();
   std::array<unsigned, most_on_rim> signature;
   std::fill_n(signature.begin(), n_arcs, 0u);
-  for (int c = 0; c < n_chords_; ++c)
+  for (int t = 0; t < n_traces; ++t)
     for (std::size_t out = 0; out < n_arcs; ++out) {
-      if (rim[out].chord != c || !rim[out].leads_out) continue;
-      for (std::size_t arc = out; !(rim[arc].chord == c && !rim[arc].leads_out); arc = (arc + 1) % n_arcs)
-        signature[arc] |= 1u << c;
+      if (rim[out].trace != t || !rim[out].leads_out) continue;
+      for (std::size_t arc = out; !(rim[arc].trace == t && !rim[arc].leads_out); arc = (arc + 1) % n_arcs)
+        signature[arc] |= 1u << t;
     }
   OfFace<unsigned> pieces;
   std::array<int, most_on_rim> piece_of_arc;
@@ -199,31 +248,43 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
         static_cast<std::uint8_t>(piece);
   };
   const std::array<Flat, 4> corner_after{Flat(1, 0), Flat(1, 1), Flat(0, 1), Flat(0, 0)};
-  std::array<FlatChord, most_chords> flat;
-  for (std::size_t arc = 0; arc < n_arcs; ++arc) {
-    if (rim[arc].chord < 0) continue;
-    FlatChord& chord = flat[static_cast<std::size_t>(rim[arc].chord)];
-    (rim[arc].leads_out ? chord.from : chord.to) = rim[arc].place;
-  }
-  // Areas by the polygon of a piece: its arcs, joined by straight lines; from one chord to another where they cross.
-  std::array<Outline, most_chords + 1> outline;
-  std::array<int, most_chords + 1> first_chord, last_chord;
-  const auto add_turn = [&](Outline& points, int chord, int next_chord) {
-    if (chord < 0 || next_chord < 0 || chord == next_chord) return;
-    const FlatChord &a = flat[static_cast<std::size_t>(chord)], &b = flat[static_cast<std::size_t>(next_chord)];
-    if (const std::optional<double> share = crossing_share(a.from, a.to, b.from, b.to))
-      points.add(a.from + *share * (a.to - a.from));
+  // Areas by the polygon of a piece: its arcs, joined by traces; from one trace to another where they cross.
+  struct PieceOutline : Outline {
+    const RimCrossing *first_begin = nullptr, *last_end = nullptr;  // of its arcs
+  };
+  std::array<PieceOutline, most_traces + 1> outline;
+  const auto add_way = [&](Outline& points, const RimCrossing& from, const RimCrossing& to) {
+    if (from.trace < 0 || to.trace < 0) return;
+    const Trace& own = traces[static_cast<std::size_t>(from.trace)];
+    const Trace& next = traces[static_cast<std::size_t>(to.trace)];
+    const int last = own.n_points - 2;  // bends are 1 to last
+    if (from.trace == to.trace) {
+      for (int p = 1; p <= last; ++p) points.add(own.at(from.leads_out ? p : last + 1 - p));
+      return;
+    }
+    const auto meeting = own.meet(next);
+    if (!meeting) return;
+    const auto [part, next_part, share] = *meeting;
+    if (from.leads_out)
+      for (int p = 1; p <= part; ++p) points.add(own.at(p));
+    else
+      for (int p = last; p > part; --p) points.add(own.at(p));
+    points.add(own.at(part) + share * (own.at(part + 1) - own.at(part)));
+    if (to.leads_out)
+      for (int p = next_part; p >= 1; --p) points.add(next.at(p));
+    else
+      for (int p = next_part + 1; p <= next.n_points - 2; ++p) points.add(next.at(p));
   };
   for (std::size_t arc = 0; arc < n_arcs; ++arc) {
     const RimCrossing& begin = rim[arc];
     const RimCrossing& end = rim[(arc + 1) % n_arcs];
     const int piece = piece_of_arc[arc];
-    Outline& points = outline[static_cast<std::size_t>(piece)];
+    PieceOutline& points = outline[static_cast<std::size_t>(piece)];
     if (points.is_empty)
-      first_chord[static_cast<std::size_t>(piece)] = begin.chord;
+      points.first_begin = &begin;
     else
-      add_turn(points, last_chord[static_cast<std::size_t>(piece)], begin.chord);
-    last_chord[static_cast<std::size_t>(piece)] = end.chord;
+      add_way(points, *points.last_end, begin);
+    points.last_end = &end;
     points.add(begin.place);
     mark(begin.edge, begin.next_segment, piece);
     std::size_t turn = turn_of_edge[static_cast<std::size_t>(begin.edge)];
@@ -242,9 +303,9 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
   }
   double sum = 0;
   for (int piece = 0; piece < n_pieces_; ++piece) {
-    Outline& points = outline[static_cast<std::size_t>(piece)];
+    PieceOutline& points = outline[static_cast<std::size_t>(piece)];
     if (!points.is_empty) {
-      add_turn(points, last_chord[static_cast<std::size_t>(piece)], first_chord[static_cast<std::size_t>(piece)]);
+      add_way(points, *points.last_end, *points.first_begin);
       points.add(points.first);
     }
     const double twice = points.twice;
@@ -255,56 +316,67 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
   for (int piece = 0; piece < n_pieces_ && sum > 0; ++piece) share_[static_cast<std::size_t>(piece)] /= sum;
 
   unsigned centre = 0;
-  for (int c = 0; c < n_chords_; ++c) {
-    Chord& chord = chords_[static_cast<std::size_t>(c)];
-    for (std::size_t arc = 0; arc < n_arcs; ++arc)
-      if (rim[arc].chord == c) (rim[arc].leads_out ? chord.outer_piece : chord.inner_piece) = piece_of_arc[arc];
-    if (is_on_outer_side(flat[static_cast<std::size_t>(c)].from, flat[static_cast<std::size_t>(c)].to, {0.5, 0.5}))
-      centre |= 1u << c;
-  }
-  const int n_whole = n_chords_;
-  for (int c = 0; c < n_whole; ++c)
-    split(c, std::span(flat).first(static_cast<std::size_t>(n_whole)),
-          std::span(pieces.things).first(static_cast<std::size_t>(n_pieces_)));
+  for (int t = 0; t < n_traces; ++t)
+    if (traces[static_cast<std::size_t>(t)].has_on_outer_side({0.5, 0.5})) centre |= 1u << t;
   centre_piece_ = static_cast<int>(std::max_element(share_.begin(), share_.begin() + n_pieces_) - share_.begin());
   for (std::size_t piece = 0; piece < pieces.size() && static_cast<int>(piece) < n_pieces_; ++piece)
     if (pieces[piece] == centre) centre_piece_ = static_cast<int>(piece);
+
+  const auto position_of = [&](const Flat& place) {
+    Eigen::Vector3d position;
+    position[d] = crossings.position(d, corner[d]);
+    for (const int e : {e1, e2}) {
+      const double start = crossings.position(e, corner[e]), width = crossings.position(e, corner[e] + 1) - start;
+      position[e] = start + width * place[e == e1 ? 0 : 1];
+    }
+    return position;
+  };
+  const auto piece_beside = [&](unsigned signature, int otherwise) {
+    const auto end = pieces.begin() + n_pieces_;
+    const auto found = std::find(pieces.begin(), end, signature);
+    return found == end ? otherwise : static_cast<int>(found - pieces.begin());
+  };
+  for (int t = 0; t < n_traces; ++t) {
+    int outer_piece = 0, inner_piece = 0;  // as long as no other trace crosses it
+    for (std::size_t arc = 0; arc < n_arcs; ++arc)
+      if (rim[arc].trace == t) (rim[arc].leads_out ? outer_piece : inner_piece) = piece_of_arc[arc];
+    const std::span<const Trace> others = std::span(traces).first(static_cast<std::size_t>(n_traces));
+    add_chords(others, t, outer_piece, inner_piece, position_of, piece_beside);
+  }
 }
 
-/// Where other chords cross it a chord has other pieces beside it. `pieces`: on the outer side of which chords each
-/// lies.
-void FaceCut::split(int chord, std::span<const FlatChord> flat, std::span<const unsigned> pieces) {
-  const FlatChord& own = flat[static_cast<std::size_t>(chord)];
-  std::array<double, most_chords> at{};  // in rising order
-  std::size_t n = 0;
-  for (std::size_t other = 0; other < flat.size() && n < at.size(); ++other) {
-    if (static_cast<int>(other) == chord) continue;
-    const std::optional<double> share = crossing_share(own.from, own.to, flat[other].from, flat[other].to);
-    if (!share) continue;
-    std::size_t place = n++;
-    for (; place > 0 && at[place - 1] > *share; --place) at[place] = at[place - 1];
-    at[place] = *share;
-  }
-  if (n == 0 || n_chords_ + static_cast<int>(n) > most_parts) return;
-  const Chord whole = chords_[static_cast<std::size_t>(chord)];
-  for (std::size_t part = 0; part <= n; ++part) {
-    Chord& here = chords_[static_cast<std::size_t>(part == 0 ? chord : n_chords_++)];
-    here = whole;
-    here.from_share = part == 0 ? 0 : at[part - 1], here.to_share = part == n ? 1 : at[part];
-    const Eigen::Vector3d way = whole.to_position - whole.from_position;
-    here.from_position = whole.from_position + here.from_share * way;
-    here.to_position = part == n ? whole.to_position : whole.from_position + here.to_share * way;
-    const Flat middle = own.from + 0.5 * (here.from_share + here.to_share) * (own.to - own.from);
-    unsigned outer = 1u << chord;
-    for (std::size_t other = 0; other < flat.size(); ++other)
-      if (static_cast<int>(other) != chord && is_on_outer_side(flat[other].from, flat[other].to, middle))
-        outer |= 1u << other;
-    const auto piece_of = [&](unsigned signature, int otherwise) {
-      const auto found = std::find(pieces.begin(), pieces.end(), signature);
-      return found == pieces.end() ? otherwise : static_cast<int>(found - pieces.begin());
-    };
-    here.outer_piece = piece_of(outer, whole.outer_piece);
-    here.inner_piece = piece_of(outer & ~(1u << chord), whole.inner_piece);
+/// The straight parts of a trace. Where other traces cross it, it has other pieces beside it.
+void FaceCut::add_chords(std::span<const Trace> traces, int t, int outer_piece, int inner_piece,
+                         const auto& position_of, const auto& piece_beside) {
+  const Trace& trace = traces[static_cast<std::size_t>(t)];
+  bool is_crossed = false;
+  for (std::size_t other = 0; other < traces.size(); ++other)
+    is_crossed = is_crossed || (static_cast<int>(other) != t && trace.meet(traces[other]));
+  for (int p = 0; p + 1 < trace.n_points; ++p) {
+    const Flat &from = trace.at(p), &to = trace.at(p + 1);
+    OfFace<double> share;  // at which it begins, is crossed and ends, in rising order
+    share.add(0);
+    for (std::size_t other = 0; other < traces.size() && is_crossed; ++other)
+      for (int q = 0; q + 1 < traces[other].n_points && static_cast<int>(other) != t; ++q)
+        if (const auto at = crossing_share(from, to, traces[other].at(q), traces[other].at(q + 1))) share.add(*at);
+    share.add(1);
+    std::sort(share.begin(), share.end());
+    for (std::size_t n = 0; n + 1 < share.size() && n_chords_ < most_chords; ++n) {
+      Chord& chord = chords_[static_cast<std::size_t>(n_chords_++)];
+      chord.from = trace.on[static_cast<std::size_t>(p)], chord.to = trace.on[static_cast<std::size_t>(p + 1)];
+      chord.from_share = share[n], chord.to_share = share[n + 1];
+      chord.from_position = position_of(from + chord.from_share * (to - from));
+      chord.to_position = position_of(from + chord.to_share * (to - from));
+      chord.has_bend = {p > 0 && n == 0, p + 2 < trace.n_points && n + 2 == share.size()};
+      chord.outer_piece = outer_piece, chord.inner_piece = inner_piece;
+      if (!is_crossed) continue;
+      const Flat middle = from + 0.5 * (chord.from_share + chord.to_share) * (to - from);
+      unsigned outer = 1u << t;
+      for (std::size_t other = 0; other < traces.size(); ++other)
+        if (static_cast<int>(other) != t && traces[other].has_on_outer_side(middle)) outer |= 1u << other;
+      chord.outer_piece = piece_beside(outer, outer_piece);
+      chord.inner_piece = piece_beside(outer & ~(1u << t), inner_piece);
+    }
   }
 }
 

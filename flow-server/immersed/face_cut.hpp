@@ -9,27 +9,30 @@
 
 namespace couplet::flow {
 
-/// A straight piece of a surface's trace on a face, from one crossing of its rim to another; where the trace of another
-/// surface crosses it, as where one body stands in another, a part of that, with one piece on either side.
+/// A straight part of a surface's trace on a face: the trace runs from one crossing of its rim to another, bends where
+/// a sharp edge of a body passes through the face, and is parted where the trace of another surface crosses it, as
+/// where one body stands in another.
 struct Chord {
-  const EdgeCrossing* from = nullptr;   // beyond it, counterclockwise around the positive normal, the outer side begins
-  const EdgeCrossing* to = nullptr;     // where it ends
-  double from_share = 0, to_share = 1;  // where the part begins and ends on the way from one to the other
-  Eigen::Vector3d from_position, to_position;  // of the part [m]
+  /// Crossings of the rim, or bends, between which it lies. From the start of the trace on, counterclockwise around the
+  /// positive normal, is the outer side.
+  const SurfacePoint *from = nullptr, *to = nullptr;
+  double from_share = 0, to_share = 1;         // where it begins and ends on the way from one to the other
+  Eigen::Vector3d from_position, to_position;  // of its own ends [m]
+  std::array<bool, 2> has_bend{};              // whether it begins, and ends, in a bend
   int outer_piece = 0, inner_piece = 0;
   int surface() const { return from->surface; }
-  bool is_part() const { return from_share > 0 || to_share < 1; }
+  bool is_crossed() const { return from_share > 0 || to_share < 1; }  // at one end, by another trace
   double opening() const { return 0.5 * (from->opening + to->opening); }
 };
 
 /// The face normal to direction d whose corner with the smallest coordinates is given. Its rim is followed
-/// counterclockwise; crossings of one surface are joined by chords that do not cross each other, and two points of the
-/// face are on one piece where no chord lies between them. Chords of two surfaces may cross once. A crossing without a
-/// partner (the surface ends inside the face) parts nothing.
+/// counterclockwise; crossings of one surface are joined by traces that do not cross each other, through the bends of
+/// that surface in the face, and two points of the face are on one piece where no trace lies between them. Traces of
+/// two surfaces may cross once. A crossing without a partner (the surface ends inside the face) parts nothing.
 class FaceCut {
  public:
-  static constexpr int most_chords = 6;    // before others cross them
-  static constexpr int most_parts = 16;    // of chords
+  static constexpr int most_traces = 6;
+  static constexpr int most_chords = 24;
   static constexpr int most_segments = 8;  // of an edge, between its crossings
 
   FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner);
@@ -51,13 +54,14 @@ class FaceCut {
 
  private:
   struct RimCrossing;
-  struct FlatChord;
-  void split(int chord, std::span<const FlatChord> flat, std::span<const unsigned> pieces);
+  struct Trace;
+  void add_chords(std::span<const Trace> traces, int t, int outer_piece, int inner_piece, const auto& position_of,
+                  const auto& piece_beside);
   int n_pieces_ = 1, n_chords_ = 0, centre_piece_ = 0;
   bool has_lone_crossing_ = false;
-  std::array<double, most_chords + 1> share_{};
-  std::array<Eigen::Vector2d, most_chords + 1> centroid_;
-  std::array<Chord, most_parts> chords_;
+  std::array<double, most_traces + 1> share_{};
+  std::array<Eigen::Vector2d, most_traces + 1> centroid_;
+  std::array<Chord, most_chords> chords_;
   std::array<int, 4> n_segments_{};
   std::array<std::array<std::uint8_t, most_segments>, 4> piece_of_segment_{};
 };

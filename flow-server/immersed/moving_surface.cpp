@@ -1,7 +1,6 @@
 #include "flow-server/immersed/moving_surface.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "flow-server/immersed/covered_holes.hpp"
@@ -36,31 +35,11 @@ std::vector<bool> find_attached(const BodySetup& body, const BodySurface& at_res
   return is_attached;
 }
 
-/// Where a body's surface turns away from the fluid by more than this from a triangle to the next it has a sharp edge.
-constexpr double cosine_at_sharp_edge = 0.5;
 /// Width of the blend of a closed body with sharp edges [cells]. With the quarter of a cell that round bodies have, the
 /// velocities beside an edge jump from those of the equations to the wall's as it moves on among the cells; the flow
 /// leaves the edge too high or too low. The moment on a flag 4 cells thick, Reynolds number 20, is then off by -33 to
 /// 31 %, by its place among the cells, with a whole cell by -4 to 9 %; 8 cells thick by 8 and by less than 1 %.
 constexpr double blend_at_sharp_edges = 1;
-
-bool has_sharp_edge(const BodySurface& surface, const SurfaceTopology& topology) {
-  const auto corner = [&](std::size_t t, std::size_t k) {
-    return surface.position[static_cast<std::size_t>(surface.triangle[t][k])];
-  };
-  const auto area_of = [&](std::size_t t) { return area_vector(corner(t, 0), corner(t, 1), corner(t, 2)); };
-  for (std::size_t t = 0; t < surface.triangle.size(); ++t)
-    for (const int beside : topology.neighbour[t]) {
-      if (beside < 0) continue;
-      const auto next = static_cast<std::size_t>(beside);
-      const Point own = area_of(t), other = area_of(next);
-      if (dot(own, other) >= cosine_at_sharp_edge * std::sqrt(dot(own, own) * dot(other, other))) continue;
-      double height = 0;  // of the other triangle's corners above this one
-      for (std::size_t k = 0; k < 3; ++k) height += dot(own, corner(next, k) - corner(t, 0));
-      if (height < 0) return true;
-    }
-  return false;
-}
 
 /// Lids of rims that lie inside other bodies, or on them: round-off and chords of round bodies are far below a cell.
 int close_holes(BodySurface& surface, FluidSide fluid, std::span<const BorderPlane> planes, const StretchedGrid& grid,
@@ -142,7 +121,13 @@ MovingSurface::MovingSurface(const BodySetup& body, const StretchedGrid& grid, s
     topology_.notes.push_back(
         "body '" + body.name + "': " + std::to_string(n_lids) +
         (n_lids == 1 ? " hole, which no fluid reaches, was closed" : " holes, which no fluid reaches, were closed"));
-  if (body.is_closed && !body.blend_width && has_sharp_edge(body_, topology_)) body_.blend_width = blend_at_sharp_edges;
+  if (body.is_closed) {
+    const auto without_lids = std::span(body_.triangle).first(tessellation_.triangle().size());
+    body_.sharp_edge = find_sharp_edges(body_.position, without_lids);
+    const bool has_edge = std::any_of(body_.sharp_edge.begin(), body_.sharp_edge.end(),
+                                      [](const SharpEdge& edge) { return edge.is_convex; });
+    if (has_edge && !body.blend_width) body_.blend_width = blend_at_sharp_edges;
+  }
   at_rest_ = body_.position;
   if (!body.is_closed) {
     const std::vector<bool> is_attached = find_attached(body, body_, topology_.free_edge);

@@ -60,6 +60,20 @@ class FlagTest(unittest.TestCase):
         self.run_flag("parts", "--flow-ranks", "1", "--resume", str(self.folder / "parts"))
         self.assertEqual((self.folder / "parts" / "history.csv").read_text(), (self.folder / "one" / "history.csv").read_text())
 
+    def test_flow_steps_within_a_coupling_step_follow_the_motion(self):
+        """Four steps of the flow in one of the solid: nearer to steps a quarter as long than one is. Where the last of the four feels
+        another acceleration than the first, the force of the added mass is several times too large and no step converges."""
+        until = ("--set", "time.end=0.08")
+        one = self.run_flag("one step", "--flow-ranks", "1", *until)
+        four = self.run_flag("four steps", "--flow-ranks", "1", *until, "--set", "flow.navier_stokes.largest_step=0.001")
+        short = self.run_flag("short steps", "--flow-ranks", "1", *until, "--set", "time.step=0.001")
+        self.assertEqual(len(four["time"]), len(one["time"]))  # none was cut
+        self.assertEqual(set(four["flow.substeps"]), {4})
+        for column in ("body.flag.force_x", "body.cylinder.force_x"):
+            def error(run):
+                return numpy.abs(run[column] - numpy.interp(run["time"], short["time"], short[column])).max()
+            self.assertLess(error(four), error(one), column)
+
 
 if __name__ == "__main__":
     sys.exit(unittest.main(verbosity=2))
