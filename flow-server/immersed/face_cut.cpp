@@ -331,9 +331,9 @@ FaceCut::FaceCut(const EdgeCrossings& crossings, int d, const Triple& corner) {
     }
     return position;
   };
-  const auto piece_beside = [&](unsigned signature, int otherwise) {
+  const auto piece_beside = [&](unsigned on_outer_side, int otherwise) {
     const auto end = pieces.begin() + n_pieces_;
-    const auto found = std::find(pieces.begin(), end, signature);
+    const auto found = std::find(pieces.begin(), end, on_outer_side);
     return found == end ? otherwise : static_cast<int>(found - pieces.begin());
   };
   for (int t = 0; t < n_traces; ++t) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
+#include "flow-server/immersed/body_shape.hpp"
+#include "tests/unit/flow-server/immersed/surface_of.hpp"
 #include "tests/unit/flow-server/immersed/test_surfaces.hpp"
 
 namespace couplet::flow {
@@ -72,20 +76,13 @@ double wall_volume(const CutCells& cut) {
 
 /// A box, turned about all axes by an angle [rad].
 BodySurface turned_box(const Point& middle, const Point& half_sides, double angle) {
-  const couplet::surface::SurfaceMesh mesh =
-      make_box({-half_sides[0], -half_sides[1], -half_sides[2]}, half_sides, 0.21);
-  const SurfaceTessellation tessellation(mesh, "box", {});
-  BodySurface box;
-  box.is_closed = true;
-  tessellation.interpolate(mesh.node_position, box.position);
-  box.triangle = tessellation.triangle();
+  BodySurface box = surface_of(make_box({-half_sides[0], -half_sides[1], -half_sides[2]}, half_sides, 0.21), true);
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(angle, Eigen::Vector3d(0.3, 0.5, 0.81).normalized()).toRotationMatrix();
   for (Point& at : box.position) {
     const Eigen::Vector3d turned = turn * Eigen::Vector3d(at[0], at[1], at[2]);
     for (std::size_t d = 0; d < 3; ++d) at[d] = middle[d] + turned[static_cast<Eigen::Index>(d)];
   }
-  box.velocity.assign(box.position.size(), {0, 0, 0});
   box.sharp_edge = find_sharp_edges(box.position, box.triangle);
   return box;
 }
