@@ -37,8 +37,9 @@ std::vector<bool> find_attached(const BodySetup& body, const BodySurface& at_res
 
 /// Width of the blend of a closed body with sharp edges [cells]. With the quarter of a cell that round bodies have, the
 /// velocities beside an edge jump from those of the equations to the wall's as it moves on among the cells; the flow
-/// leaves the edge too high or too low. The moment on a flag 4 cells thick, Reynolds number 20, is then off by -33 to
-/// 31 %, by its place among the cells, with a whole cell by -4 to 9 %; 8 cells thick by 8 and by less than 1 %.
+/// leaves the edge too high or too low. The moment on a flag 4 cells thick, Reynolds number 20, is then off by -38 to
+/// 39 %, by its place among the cells, with a whole cell by -15 to 15 % (26 % where its sides lie in faces and its end
+/// does not; at most 9 % where its end lies in a face).
 constexpr double blend_at_sharp_edges = 1;
 
 /// Lids of rims that lie inside other bodies, or on them: round-off and chords of round bodies are far below a cell.
