@@ -110,4 +110,27 @@ inline FacePatch whole_border(FaceCondition condition) {
   return patch;
 }
 
+/// Largest speed after 20 steps in a channel of 3 x 1, n cells across, of which a sheet at rest stands across the way
+/// of a difference of pressures of 10 kPa: over dt p / (rho h), that of a wall that the pressure does not see.
+/// `sheet_on(h)`: for cells of the width h.
+template <class SheetOn>
+double leak_through(int n, const SheetOn& sheet_on) {
+  constexpr double h = 0.5e-3, step = 1e-4, pressure = 1e4, density = 1000;
+  NavierStokesSetup setup =
+      setup_on(box_grid({uniform_faces(0, 3 * n * h, 3 * n), uniform_faces(0, n * h, n), {0, h}}, {}, 2),
+               TimeScheme::adams_bashforth);
+  setup.density = density, setup.viscosity = 1e-3;
+  setup.pressure.relative_tolerance = 1e-12;
+  setup.border[0][0] = {whole_border(PressureOpening{SpaceTimeValue(pressure)})};
+  setup.border[0][1] = {whole_border(PressureOpening{SpaceTimeValue(0.0)})};
+  setup.border[1][0] = setup.border[1][1] = {whole_border(SlipWall{})};
+  const BodySurface sheet = sheet_on(h);
+  setup.bodies = [sheet](double) { return std::vector<BodySurface>{sheet}; };
+  const BlockDecomposition blocks = decompose(setup.grid);
+  FractionalStep flow(setup, blocks);
+  FlowState state;
+  pressure_forces(flow, step, 20, &state);
+  return state.largest_speed / (step * pressure / (density * h));
+}
+
 }  // namespace couplet::flow
