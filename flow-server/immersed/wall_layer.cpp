@@ -10,6 +10,8 @@ namespace {
 
 /// Nearer to the wall than this share of a cell its normal is the direction away from it.
 constexpr double on_the_wall = 1e-3;
+/// The cosine is 1 there, and 0, but for round-off, where the nearest point lies on an edge in the plane of its triangle.
+constexpr double right_behind = 0.5;
 /// Faces within so many cells of the surface that blocks a sight are those that are seen through it.
 constexpr double reach_of_ghosts = 3;
 /// Surfaces stand off the chords between crossings by less than this share of a cell where they are resolved.
@@ -202,9 +204,11 @@ void WallLayer::add_face(int component, const Triple& face) {
   }
   const Eigen::Vector3d normal = nearest_.normal(closest);
   Eigen::Vector3d away = at - vector(closest.position);
+  // Chords are not the surface itself: a face that all but touches a body may stand inside it, right behind a triangle.
+  const bool is_behind = surface.is_closed && away.dot(normal) < -right_behind * closest.distance;
   bool is_outer = surface.is_closed || away.dot(normal) > 0;
-  const double distance = closest.distance;
-  if (distance > on_the_wall * spacing(face, normal))
+  const double distance = (is_behind ? -1 : 1) * closest.distance;
+  if (closest.distance > on_the_wall * spacing(face, normal))
     away /= distance;
   else
     away = is_outer ? normal : Eigen::Vector3d(-normal);
@@ -214,10 +218,10 @@ void WallLayer::add_face(int component, const Triple& face) {
   if (distance >= blend * width || closed <= 0) return;
   const double gap = gap_before(closest, away, width, widest_gap(blend), nearby, face);
   const double narrowed = std::clamp(0.5 * (gap - 1), narrowest_blend * blend, blend);
-  const double share = std::max(1 - distance / (narrowed * width), 0.0) * closed;
+  const double share = std::clamp(1 - distance / (narrowed * width), 0.0, 1.0) * closed;
   const double beyond = std::clamp(0.5 * gap - distance / width, nearest_image, settings_.image_distance) * width;
   double seen = 0;
-  // Chords are not the surface itself: a face that all but touches it may stand on the side from which it looks away.
+  // Nor are they that of a sheet: a face may stand on the side from which it looks away.
   for (const double sign : {1.0, -1.0}) {
     if (seen > hidden || (sign < 0 && distance > chord_sagitta * width)) continue;
     const double near = sign * distance + beyond;

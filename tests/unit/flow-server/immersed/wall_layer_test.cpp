@@ -199,6 +199,51 @@ TEST(WallLayer, FacesInsideABodyHaveItsVelocity) {
   }
 }
 
+TEST(WallLayer, AFaceJustInsideABodyLooksOutOfIt) {
+  // A ball rises above a plane of faces around the middle of one face, between the edges that tell what is cut.
+  const Triple top{7, 5, 5};
+  const double radius = 3 * h, radius_of_cap = 0.25 * h;
+  const double above = radius - std::sqrt(radius * radius - radius_of_cap * radius_of_cap);
+  const PlacedBodies flat(uniform_box({n, n, n}, h), {plane({0, 0, 0})});
+  Point centre = centre_of_face(flat.block, 0, top);
+  centre[0] += above - radius;
+  const PlacedBodies placed(uniform_box({n, n, n}, h), {sphere_surface(centre, radius, 5)});
+  const WallLayer& layer = placed.bodies->layer();
+  const int index = layer.find_forced(0, top);
+  ASSERT_GE(index, 0);  // a face of the fluid, for all that is known of its edges
+  const ForcedFace& forced = layer.forced()[static_cast<std::size_t>(index)];
+  EXPECT_TRUE(forced.is_outer);
+  EXPECT_EQ(forced.share, 1);
+  EXPECT_EQ(forced.value.room, 1);
+  EXPECT_TRUE(is_whole(forced.value));
+  for (const WallImage& image : forced.value.image) {
+    EXPECT_GE(image.base[0], top[0]);
+  }
+  EXPECT_LT(forced.value.image[0].ratio, 0);
+}
+
+TEST(WallLayer, FacesInThePlaneOfASideBeyondItsEdgeLookAwayFromTheBody) {
+  // A prism of four sides whose edges lie in the planes of faces: what stands straight before one side beside an edge
+  // lies in the plane of the other one, on either side of it by round-off.
+  for (const Point& centre : {Point{0.5, 0.5, 0.5}, Point{0.5, 0.5 + h / 2, 0.5}, Point{0.5 + h / 2, 0.5, 0.5}}) {
+    BodySurface prism = cylinder_surface(centre, 3 * h, 4, 2);
+    prism.blend_width = 1;
+    const PlacedBodies placed(uniform_box({n, n, n}, h), {prism});
+    int n_before_edges = 0;
+    for (const ForcedFace& forced : placed.bodies->layer().forced()) {
+      const Point at = centre_of_face(placed.block, forced.value.component, forced.value.face);
+      const double x = std::abs(at[0] - centre[0]), y = std::abs(at[1] - centre[1]);
+      if (at[2] < 3 * h || at[2] > 1 - 3 * h) continue;
+      const double above = (x + y - 3 * h) / std::sqrt(2);  // before the nearest side
+      if (std::abs(std::abs(x - y) - 3 * h) > 1e-9 || above < 1e-9) continue;
+      ++n_before_edges;
+      EXPECT_NEAR(forced.share, 1 - above / h, 1e-9);  // cells are cubes; round-off
+      EXPECT_GE(forced.value.image[0].ratio, 0);
+    }
+    EXPECT_GT(n_before_edges, 0);
+  }
+}
+
 /// What is written in place of an older position, to the last bit.
 void expect_same(const WallLayer& layer, const WallLayer& other) {
   const auto expect_same_values = [](const WallValue& a, const WallValue& b) {
