@@ -20,6 +20,8 @@ constexpr double near_point = 0.6;
 constexpr double least_seen = 0.75;
 /// Where the nearer one sees no face further away than this the wall is taken for slip: the gap is closed.
 constexpr double least_distance = 0.02;
+/// Walls of which the cosine of the angle between the normals is smaller lie on different sides of an edge.
+constexpr double same_side = 0.5;
 /// Shapes beyond these, over the same extent, are corners and edges, not curved walls.
 constexpr double largest_offset = 0.25, largest_bend = 0.5;
 
@@ -270,23 +272,31 @@ void BodyLoads::add_viscous_stress(const BodyGeometry& bodies, const VectorField
   const CutCells& cut = bodies.cut();
   const Box mine = box_of(block_.sizes);
   CornerForces forces(bodies, loads);
+  std::vector<int> patch_of;  // of each wall of a cell: the number of the first one of its patch
   for (const CutCell& cell : cut.cells()) {
     if (!mine.contains(cell.cell)) continue;
     const std::span walls(cut.walls().data() + cell.first_wall, static_cast<std::size_t>(cell.n_walls));
+    // Beside a sharp edge each side has its own stress.
     const auto is_same = [](const WallTriangle& a, const WallTriangle& b) {
-      return a.surface == b.surface && a.outer_part == b.outer_part && a.inner_part == b.inner_part;
+      return a.surface == b.surface && a.outer_part == b.outer_part && a.inner_part == b.inner_part &&
+             a.area.dot(b.area) > same_side * a.area.norm() * b.area.norm();
     };
-    for (auto first = walls.begin(); first != walls.end(); ++first) {
-      const bool is_new = std::none_of(walls.begin(), first, [&](const WallTriangle& w) { return is_same(w, *first); });
-      if (!is_new || first->outer_part == first->inner_part) continue;
+    patch_of.assign(walls.size(), -1);
+    for (std::size_t w = 0; w < walls.size(); ++w) {
+      const WallTriangle* const first = &walls[w];
+      if (patch_of[w] >= 0 || first->outer_part == first->inner_part) continue;
+      const int number = static_cast<int>(w);
+      for (std::size_t v = w; v < walls.size(); ++v)
+        if (patch_of[v] < 0 && (v == w || is_same(*first, walls[v]))) patch_of[v] = number;
       const BodySurface& surface = bodies.surfaces()[static_cast<std::size_t>(first->surface)];
       WallPatch patch{.cell = cell.cell,
                       .surface = first->surface,
                       .outer_part = first->outer_part,
                       .inner_part = first->inner_part};
       double size = 0;
-      for (auto wall = first; wall != walls.end(); ++wall) {
-        if (!is_same(*wall, *first)) continue;
+      for (std::size_t v = w; v < walls.size(); ++v) {
+        if (patch_of[v] != number) continue;
+        const WallTriangle* const wall = &walls[v];
         const double area = wall->area.norm();
         size += area;
         patch.area += wall->area;
@@ -314,8 +324,9 @@ void BodyLoads::add_viscous_stress(const BodyGeometry& bodies, const VectorField
         stress += viscosity_ * (g - m * m.dot(g) - 2 * patch.velocity_gradient.trace() * m +
                                 patch.velocity_gradient.transpose() * m);
       }
-      for (auto wall = first; wall != walls.end(); ++wall) {
-        if (!is_same(*wall, *first)) continue;
+      for (std::size_t v = w; v < walls.size(); ++v) {
+        if (patch_of[v] != number) continue;
+        const WallTriangle* const wall = &walls[v];
         const Eigen::Vector3d force = (1 - wall->opening) * wall->area.dot(outwards) * stress;
         forces.add(*wall, force);
         Eigen::Vector3d::Map(loads[static_cast<std::size_t>(wall->surface)].viscous_force.data()) += force;
