@@ -1,11 +1,11 @@
 #include "solid-server/dynamics/stable_step.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 
 namespace couplet::solid {
 

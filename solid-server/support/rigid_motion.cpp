@@ -1,10 +1,10 @@
 #include "solid-server/support/rigid_motion.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
 #include "proto/report/failure.hpp"
 #include "solid-server/mesh/check_mesh.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 
 namespace couplet::solid {
 
@@ -37,7 +37,7 @@ std::string free_motions(const SolidMesh& mesh, const FreeComponents& free, cons
   double length = 0;
   for (const Index n : nodes) length = std::max(length, (mesh.node_position.row(n).transpose() - centre).norm());
   // What a motion (t, w) does to the held components, t + w x (X - centre), has to vanish.
-  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::MatrixXd held = Eigen::MatrixXd::Zero(6, 6);
   bool may_shift[3] = {true, true, true};
   for (const Index n : nodes)
     for (int i = 0; i < 3; ++i) {
@@ -46,12 +46,12 @@ std::string free_motions(const SolidMesh& mesh, const FreeComponents& free, cons
       const Eigen::Vector3d arm = (mesh.node_position.row(n).transpose() - centre) / length;
       RigidMotion row;
       row << Eigen::Vector3d::Unit(i), arm.cross(Eigen::Vector3d::Unit(i));
-      held += row * row.transpose();
+      held += row.lazyProduct(row.transpose());
     }
   std::vector<std::string> shifts, turns;
   for (int i = 0; i < 3; ++i)
     if (may_shift[i]) shifts.push_back(name_of(Eigen::Vector3d::Unit(i)));
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> modes(held);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(held);
   const double largest = modes.eigenvalues()[5];
   Eigen::Matrix3d axes = Eigen::Matrix3d::Zero();  // projection onto the axes of free turns, summed
   for (int m = 0; m < 6; ++m)

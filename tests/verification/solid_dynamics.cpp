@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -12,6 +11,7 @@
 #include "solid-server/mesh/parametric/box_mesh.hpp"
 #include "solid-server/modal/modal_analysis.hpp"
 #include "solid-server/solid_model.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 
 namespace couplet::solid {
 namespace {

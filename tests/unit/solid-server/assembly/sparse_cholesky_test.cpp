@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <limits>
 #include <random>
 
 #include "proto/report/failure.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 #include "tests/unit/solid-server/assembly/random_blocks.hpp"
 
 namespace couplet::solid {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <random>
 
@@ -10,6 +9,7 @@
 #include "solid-server/contact/penalty_stiffness.hpp"
 #include "solid-server/element/element_packs.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 
 namespace couplet::solid {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 
@@ -13,6 +12,7 @@
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/shape_functions.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 #include "tests/unit/solid-server/element/element_cases.hpp"
 #include "tests/unit/solid-server/element/meshes_of_shapes.hpp"
 #include "tests/unit/solid-server/material/material_examples.hpp"

@@ -75,14 +75,15 @@ TEST_P(TissueFieldsOf, AreExactInHomogeneousStatesOfEveryLaw) {
     const Matrix P = std::visit([&](const auto& l) { return matrix(stress_of(l, tensor(F), axes_of(axes))); }, law);
     const Matrix cauchy = P * F.transpose() / J;
     const Matrix deviator = cauchy - cauchy.trace() / 3 * Matrix::Identity();
+    Eigen::SelfAdjointEigenSolver<Matrix> principal;
+    principal.computeDirect(cauchy, Eigen::EigenvaluesOnly);  // roots of the characteristic polynomial
     const double scale = 1e5;  // [Pa] of the bulk modulus: round-off of J is multiplied by it
     for (Index n = 0; n < mesh.n_nodes(); ++n) {
       ASSERT_LE((stress_at(state, n) - cauchy).norm(), 1e-11 * scale) << law.index() << ' ' << n;
       ASSERT_NEAR(values(state.at_nodes, "volume_ratio")(n, 0), J, 1e-12);
       ASSERT_NEAR(values(state.at_nodes, "von_mises_stress")(n, 0), std::sqrt(1.5 * deviator.squaredNorm()),
                   1e-10 * scale);
-      ASSERT_NEAR(values(state.at_nodes, "largest_principal_stress")(n, 0), cauchy.eigenvalues().real().maxCoeff(),
-                  1e-10 * scale);
+      ASSERT_NEAR(values(state.at_nodes, "largest_principal_stress")(n, 0), principal.eigenvalues()[2], 1e-10 * scale);
     }
     if (!has_fibres) continue;
     const double angle = law.index() == 3 ? 0.5 : 0;  // holzapfel_gasser_ogden of the examples, may_newman
