@@ -53,13 +53,14 @@ constexpr double round_off_of_times = 1e-9;
 /// the flow within that of the solid the acceleration is one number, which the displacement has no part in. With the
 /// rate of the cubic the last of two steps feels 5 times the change of the velocity less 6 times that of the
 /// displacement, and a swinging flag took 15 iterations and more where it takes 3, its lift jumping to and fro.
-NodalMotion between(const NodalMotion& start, const NodalMotion& end, double time) {
+NodalMotion between(const NodalMotion& start, const NodalMotion& end, const surface::NodeArray& velocity_of_places,
+                    double time) {
   const double length = end.time - start.time, s = std::clamp((time - start.time) / length, 0.0, 1.0), r = 1 - s;
   if (r < round_off_of_times) return end;
   if (s < round_off_of_times) return start;
   NodalMotion motion{time, {}, {}};
   motion.displacement = (1 + 2 * s) * r * r * start.displacement + s * s * (3 - 2 * s) * end.displacement +
-                        length * s * r * (r * start.velocity - s * end.velocity);
+                        length * s * r * (r * start.velocity - s * velocity_of_places);
   motion.velocity = r * start.velocity + s * end.velocity;
   return motion;
 }
@@ -86,7 +87,7 @@ BodySurfaces::BodySurfaces(std::vector<BodySetup> bodies, const StretchedGrid& g
       notes_.insert(notes_.end(), surface.notes().begin(), surface.notes().end());
       if (setup.is_closed) closed.push_back(surface.surface());
       const double kept = share_of_cell_kept * smallest_width_around(grid, setup.mesh);
-      made[b] = Body{std::move(setup), std::move(surface), kept, {}, {}, {}};
+      made[b] = Body{std::move(setup), std::move(surface), kept, {}, {}, {}, {}};
     }
   for (std::optional<Body>& body : made) bodies_.push_back(std::move(*body));
 }
@@ -95,7 +96,8 @@ std::vector<BodySurface> BodySurfaces::at(double time) {
   std::vector<BodySurface> surfaces;
   for (Body& body : bodies_) {
     if (body.start) {
-      const NodalMotion motion = body.end ? between(*body.start, *body.end, time) : *body.start;
+      const NodalMotion motion =
+          body.end ? between(*body.start, *body.end, body.velocity_of_places, time) : *body.start;
       body.surface.follow(body.setup.mesh.node_position + motion.displacement, motion.velocity);
     } else {
       body.surface.move_to(time);
@@ -152,9 +154,12 @@ void BodySurfaces::set_motion(int index, NodalMotion end) {
     throw report::SceneError(named(body.setup), "is given a motion at t = " + report::text(end.time) +
                                                     " s, not behind the start of the step at " +
                                                     report::text(body.start->time) + " s");
-  if (body.end && body.end->time == end.time &&
-      (end.displacement - body.end->displacement).cwiseAbs().maxCoeff() < body.kept_distance)
+  const bool is_kept = body.end && body.end->time == end.time &&
+                       (end.displacement - body.end->displacement).cwiseAbs().maxCoeff() < body.kept_distance;
+  if (is_kept)
     end.displacement = body.end->displacement;
+  else
+    body.velocity_of_places = end.velocity;
   body.end = std::move(end);
 }
 

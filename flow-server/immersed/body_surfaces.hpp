@@ -39,9 +39,10 @@ class BodySurfaces {
   std::vector<BodySurface> at(double time);
 
   /// Moves a body from outside: sets the end of the step, as often as it is tried. Places that differ by less than 1e-3
-  /// cells from those of the trial before are left as they were, velocities are not: the force jumps where a
-  /// surface leaves a cell, and iterations between flow and solid that come to stand there would go to and fro for
-  /// ever. Throws SceneError where the setup prescribes another motion, and for a time that is not behind the start.
+  /// cells from those of the trial before are left as they were, those within the step too; velocities are not: the
+  /// force jumps where a surface leaves a cell, and iterations between flow and solid that come to stand there would go
+  /// to and fro for ever. Throws SceneError where the setup prescribes another motion, and for a time that is not
+  /// behind the start.
   void set_motion(int body, NodalMotion end);
   /// The end of the step is the start of the next one.
   void accept_motion();
@@ -64,6 +65,7 @@ class BodySurfaces {
     MovingSurface surface;
     double kept_distance;                   // [m]
     std::optional<NodalMotion> start, end;  // of the step, of a body that is moved from outside
+    surface::NodeArray velocity_of_places;  // that of the end which places within the step follow
     std::optional<SurfaceTree> tree;        // of a closed body before which edges of sheets shut
   };
   void shut_edges();

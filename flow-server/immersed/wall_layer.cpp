@@ -10,7 +10,8 @@ namespace {
 
 /// Nearer to the wall than this share of a cell its normal is the direction away from it.
 constexpr double on_the_wall = 1e-3;
-/// The cosine is 1 there, and 0, but for round-off, where the nearest point lies on an edge in the plane of its triangle.
+/// The cosine is 1 there, and 0, but for round-off, where the nearest point lies on an edge in the plane of its
+/// triangle.
 constexpr double right_behind = 0.5;
 /// Faces within so many cells of the surface that blocks a sight are those that are seen through it.
 constexpr double reach_of_ghosts = 3;

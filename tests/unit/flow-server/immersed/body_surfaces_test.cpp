@@ -126,9 +126,11 @@ TEST(BodySurfaces, MoveFromOutsideAlongTheCubicBetweenBothEndsOfAStep) {
   bodies.set_motion(0, motion_at(0.1, setup, 0.03, 0.2));
   EXPECT_DOUBLE_EQ(height(0), 0.5);
   EXPECT_NEAR(height(0.1), 0.53, 1e-15);
-  // And once more, from all but the same place: its velocity is taken, a move of less than 1e-3 cells is not.
+  // And once more, from all but the same place: its velocity is taken, a move of less than 1e-3 cells is not, nor that
+  // of places within the step.
   bodies.set_motion(0, motion_at(0.1, setup, 0.03 + 1e-6, 0.3));
   EXPECT_NEAR(height(0.1), 0.53, 1e-15);
+  EXPECT_NEAR(height(0.05), 0.5 + 0.015 - 0.1 * 0.2 / 8, 1e-14);
   EXPECT_NEAR(speed(0.1), 0.3, 1e-14);
   bodies.set_motion(0, motion_at(0.1, setup, 0.031, 0.2));
   EXPECT_NEAR(height(0.1), 0.531, 1e-15);
