@@ -1,5 +1,5 @@
-// Eigenvalues of symmetric matrices of any size: Eigen's solver, compiled once for all that use it.
 #pragma once
+// Eigenvalues of symmetric matrices of any size: Eigen's solver, compiled once for all that use it.
 
 #include <Eigen/Eigenvalues>
 
