@@ -4,6 +4,7 @@
 
 #include "proto/participant/server_program.hpp"
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/dense_kernels.hpp"
 #include "solid-server/service/estimate_solid.hpp"
 #include "solid-server/service/find_modes.hpp"
 #include "solid-server/service/solid_participant.hpp"
@@ -28,5 +29,6 @@ int serve_solid(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  couplet::solid::use_better_kernels(argv);
   return couplet::report::run_program("solid-server", serve_solid, argc, argv);
 }

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "proto/report/failure.hpp"
+#include "solid-server/assembly/dense_kernels.hpp"
 #include "solid-server/assembly/sparse_cholesky.hpp"
 #include "solid-server/assembly/tangent_solver.hpp"
 #include "solid-server/dynamics/work_team.hpp"
@@ -104,8 +105,10 @@ Row measure(const Body& body, int n_threads) {
   for (int n = 0; n < 3; ++n) row.element_us[n] = element_time(body, n == 0 ? 8 : n == 1 ? 14 : 27);
   const FreeComponents free = free_of(body);
   WorkTeam team(n_threads);
-  const std::vector<BlockProperties> properties(body.mesh.block.size(),
-                                                {SaintVenantKirchhoff::from_young(15e3, 0.475), 1040, 8});
+  std::vector<BlockProperties> properties;
+  for (const ElementBlock& block : body.mesh.block)  // leaflets are single rows: singular with 8 points
+    properties.push_back({SaintVenantKirchhoff::from_young(15e3, 0.475), 1040,
+                          default_n_points(body.mesh, block, ElementFormulation::standard)});
   std::unique_ptr<TangentSolver> solver;
   row.set_up = fastest(1, [&] { solver = std::make_unique<TangentSolver>(body.mesh, properties, free, team); });
   row.unknowns = solver->n_free();
@@ -199,5 +202,6 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  couplet::solid::use_better_kernels(argv);
   return couplet::report::run_program("bench tangent", run, argc, argv);
 }
