@@ -96,7 +96,7 @@ def report(rows, json_file):
         print(f"{r['case']:24} {r['quantity']:28} {r['value']:12.6g} {reference:>12} {error:>9} {r['verdict']:>8} {r['core_seconds']:9.0f}  "
               f"{r['source']}")
     if json_file:
-        Path(json_file).write_text(json.dumps(rows, indent=1) + "\n")
+        Path(json_file).write_text(json.dumps(rows, indent=1, default=float) + "\n")  # NumPy's numbers are not Python's
     n_outside = sum(r["verdict"] == "outside" for r in rows)
     print(f"{len(rows) - n_outside} rows inside or without a band, {n_outside} outside")
     return 1 if n_outside else 0
