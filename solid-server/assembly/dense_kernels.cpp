@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <unistd.h>
 #include <cstdlib>
+#include <filesystem>
 
 namespace couplet::solid {
 
@@ -23,8 +24,10 @@ void use_better_kernels([[maybe_unused]] char** argv) {
                           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
   const std::string_view better = better_kernels(name_of_kernels(), has_avx2, has_avx512);
   if (better.empty()) return;
+  std::error_code failure;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", failure);
   setenv(variable, better.data(), 1);  // a literal, so it ends with a zero
-  execv("/proc/self/exe", argv);       // comes back only where it cannot be done: the slow kernels do as well
+  execv(program.c_str(), argv);        // comes back only where it cannot be done: the slow kernels do as well
 #endif
 }
 
