@@ -2,13 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/unit/flow-server/immersed/test_surfaces.hpp"
 #include "tests/verification/moving_bodies.hpp"
 
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A decaying vortex with four cells in a periodic square of 4 x 4 [Taylor 1923], on which the wall of a circle imposes
 /// the exact velocity.

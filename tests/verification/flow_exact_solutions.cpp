@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/oracle/ethier_steinman.hpp"
 #include "tests/verification/flow_cases.hpp"
 
@@ -10,7 +12,7 @@ namespace {
 
 using oracle::EthierSteinman;
 
-const double pi = std::numbers::pi;
+using std::numbers::pi;
 
 NavierStokesSetup ethier_steinman(const EthierSteinman& exact, int n_cells, double stretching, TimeScheme scheme) {
   const std::vector<double> faces = symmetrically_stretched_faces(-1, 1, n_cells, stretching);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <complex>
+#include <numbers>
 
 #include "tests/oracle/ethier_steinman.hpp"
 #include "tests/verification/flow_cases.hpp"
@@ -10,7 +11,7 @@
 namespace couplet::flow {
 namespace {
 
-const double pi = std::numbers::pi;
+using std::numbers::pi;
 
 FlowState march(FractionalStep& flow, double end, int n_steps) {
   FlowState state = flow.initial_state(), next;

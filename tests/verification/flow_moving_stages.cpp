@@ -3,12 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/verification/moving_bodies.hpp"
 
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A body of length 1 that swings along x in a box at rest, from rest, and may turn about its middle.
 struct Swing {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <numbers>
 #include <numeric>
 
 #include "flow-server/immersed/thick_sheet.hpp"
@@ -12,7 +13,7 @@
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double degree = pi / 180;
 
 /// A flat sheet right across a channel of 3 x 1 that moves along it by 20 cells to and fro, slides along itself and may

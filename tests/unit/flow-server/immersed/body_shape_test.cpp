@@ -12,7 +12,7 @@
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const std::vector<BorderPlane> one_cell = {{2, 0}, {2, 1}};
 
 double area_of(const BodySurface& surface) {

@@ -15,7 +15,8 @@
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi, h = 0.1;
+using std::numbers::pi;
+constexpr double h = 0.1;
 /// Of a strip: half the ramp, its shift, and what goes on fully open.
 constexpr double reach = (1 + 0.13 + 1.5) * h;
 double width(const Point&) {

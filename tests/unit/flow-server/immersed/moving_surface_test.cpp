@@ -13,7 +13,7 @@
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Cells of 0.1 along x, 0.05 along y.
 StretchedGrid channel(int n_dimensions) {
@@ -23,7 +23,7 @@ StretchedGrid channel(int n_dimensions) {
           n_dimensions};
 }
 
-BodySetup plate() {
+BodySetup upright_plate() {
   BodySetup body;
   body.name = "plate";
   body.mesh = make_rectangle({0, 0, 0.2}, {0, 1, 0}, {0, 0, 0.5}, 0.05);
@@ -42,7 +42,7 @@ TEST(MovingSurface, KnowsTheGrid) {
 
 TEST(MovingSurface, ASheetFromWallToWallEndsOnThemAndOpensAtItsFreeEdges) {
   const StretchedGrid grid = channel(3);
-  const MovingSurface moving(plate(), grid);
+  const MovingSurface moving(upright_plate(), grid);
   EXPECT_TRUE(moving.notes().empty());
   for (const FreeEdge& edge : moving.free_edges()) {
     const double z = moving.body().position[static_cast<std::size_t>(edge.from)][2];
@@ -59,7 +59,7 @@ TEST(MovingSurface, ASheetFromWallToWallEndsOnThemAndOpensAtItsFreeEdges) {
 
 TEST(MovingSurface, MovesAsPrescribedAndAsItsNodesDo) {
   const StretchedGrid grid = channel(3);
-  BodySetup body = plate();
+  BodySetup body = upright_plate();
   body.motion =
       PrescribedMotion({Translation{{FourierSeries{.frequency = 1, .cosine = {0.3}, .sine = {0.1}}, 0.0, 0.0}}});
   MovingSurface moving(body, grid);
@@ -82,7 +82,7 @@ TEST(MovingSurface, MovesAsPrescribedAndAsItsNodesDo) {
 
 TEST(MovingSurface, AThickSheetIsAClosedBody) {
   const StretchedGrid grid = channel(3);
-  BodySetup body = plate();
+  BodySetup body = upright_plate();
   body.thickness = 0.08;
   body.motion =
       PrescribedMotion({Rotation{{0, 0, 0.45}, {0, 1, 0}, FourierSeries{.frequency = 1, .cosine = {}, .sine = {0.5}}}});
@@ -106,7 +106,7 @@ TEST(MovingSurface, AThickSheetIsAClosedBody) {
 
 TEST(MovingSurface, RefusesAttachedEdgesWhereThereAreNone) {
   const StretchedGrid grid = channel(3);
-  BodySetup body = plate();
+  BodySetup body = upright_plate();
   body.attached = {{{-1, -1, 0.65}, {1, 2, 0.75}}};
   EXPECT_NO_THROW(MovingSurface(body, grid));
   body.attached.push_back({{-1, -1, 0.4}, {1, 2, 0.5}});

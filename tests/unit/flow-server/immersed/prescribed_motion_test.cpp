@@ -10,7 +10,7 @@
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const Point origin{0, 0, 0};
 
 std::vector<Joint> wing_on_a_body() {

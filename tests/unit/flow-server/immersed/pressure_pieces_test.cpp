@@ -8,13 +8,13 @@
 namespace couplet::flow {
 namespace {
 
-constexpr double h = 0.25;
+constexpr double side = 0.25;
 
-/// Two dimensions, 6 x 4 cells; a sheet at x = 2.3 h cuts the column i = 2 into 0.3 and 0.7.
+/// Two dimensions, 6 x 4 cells; a sheet at x = 2.3 side cuts the column i = 2 into 0.3 and 0.7.
 PlacedBodies with_sheet(double opening) {
-  BodySurface sheet = flat_sheet({2.3 * h, -2, -1}, {0, 6, 0}, {0, 0, 3}, 4);
+  BodySurface sheet = flat_sheet({2.3 * side, -2, -1}, {0, 6, 0}, {0, 0, 3}, 4);
   sheet.opening.assign(sheet.position.size(), opening);
-  return PlacedBodies(uniform_box({6, 4, 1}, h, 2), {sheet});
+  return PlacedBodies(uniform_box({6, 4, 1}, side, 2), {sheet});
 }
 
 constexpr double of_nudge = 1e-8;  // surfaces are moved by 1e-9 of a cell
@@ -27,10 +27,11 @@ TEST(PressurePieces, JoinWhatFacesJoin) {
   for (std::size_t p = 0; p < 4; ++p) {
     EXPECT_EQ(pieces.split().cell[p][0], 2);
     const int part = placed.bodies->cut().further_parts()[static_cast<std::size_t>(pieces.listed()[p])];
-    EXPECT_NEAR(placed.bodies->cut().parts()[static_cast<std::size_t>(part)].open_area, (1 + 2 * 0.3) * h * h,
+    EXPECT_NEAR(placed.bodies->cut().parts()[static_cast<std::size_t>(part)].open_area, (1 + 2 * 0.3) * side * side,
                 of_nudge);
   }
-  // To the cell on the left by a whole face: area / distance = h * h / h, the depth being h. To each other 0.3 of that.
+  // To the cell on the left by a whole face: area / distance = side * side / side, the depth being side. To each other
+  // 0.3 of that.
   int n_left = 0, n_along = 0;
   for (const auto& link : pieces.split().links) {
     const bool has_left = link.a.piece < 0 || link.b.piece < 0;
@@ -38,7 +39,7 @@ TEST(PressurePieces, JoinWhatFacesJoin) {
     if (has_left) {
       EXPECT_EQ(other.cell[0], 1);
     }
-    EXPECT_NEAR(link.conductance, (has_left ? 1 : 0.3) * h, of_nudge);
+    EXPECT_NEAR(link.conductance, (has_left ? 1 : 0.3) * side, of_nudge);
     (has_left ? n_left : n_along) += 1;
   }
   EXPECT_EQ(n_left, 4);
@@ -59,7 +60,7 @@ TEST(PressurePieces, JoinWhatFacesJoin) {
 TEST(PressurePieces, TakeSlopesOnTheirOwnSide) {
   PlacedBodies placed = with_sheet(0);
   // Left of the sheet p = y, right of it p = 100 + 2 y: a jump that no slope may see.
-  placed.set_pressure([](const Point& p) { return p[0] < 2.3 * h ? p[1] : 100 + 2 * p[1]; });
+  placed.set_pressure([](const Point& p) { return p[0] < 2.3 * side ? p[1] : 100 + 2 * p[1]; });
   const CutCells& cut = placed.bodies->cut();
   const PressurePieces& pieces = placed.bodies->pieces();
   for (std::size_t f = 0; f < cut.further_parts().size(); ++f) {
@@ -76,7 +77,7 @@ TEST(PressurePieces, TakeSlopesOnTheirOwnSide) {
       const FacePiece& piece = cut.pieces()[static_cast<std::size_t>(p)];
       const bool is_left = face.direction == 0 ? i == 1 : p != face.centre_piece;
       const double slope = pieces.slope(face, piece, placed.pressure, placed.bodies->piece_pressure);
-      EXPECT_NEAR(slope, face.direction == 0 ? 0 : is_left ? 1 : 2, 1e-12);  // 100 / h times round-off
+      EXPECT_NEAR(slope, face.direction == 0 ? 0 : is_left ? 1 : 2, 1e-12);  // 100 / side times round-off
       ++n_seen;
     }
     // The middle of a face in the column stands right of the sheet, at 0.5; on i = 1 the face is one piece.
@@ -94,8 +95,8 @@ TEST(PressurePieces, AnOpenSheetJoinsItsSidesInsideACell) {
     double conductance = 0;  // of one cell
     for (const auto& link : placed.bodies->pieces().split().links)
       if (link.a.cell == link.b.cell && link.a.cell == Triple{2, 1, 0}) conductance += link.conductance;
-    // Integral over the wall, h^2, of o / (1 - o + 0.02), over the width h.
-    EXPECT_NEAR(conductance, h * open / (1 - open + 0.02), of_nudge * 50);
+    // Integral over the wall, side^2, of o / (1 - o + 0.02), over the width side.
+    EXPECT_NEAR(conductance, side * open / (1 - open + 0.02), of_nudge * 50);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "proto/report/failure.hpp"
+#include "tests/unit/flow-server/one_dimensional/every_glottal_model.hpp"
 
 namespace couplet::flow {
 namespace {
@@ -168,14 +169,7 @@ TEST_P(EveryGlottalModel, ReportsThatItClippedWhenNoFlowFitsThePressures) {
   EXPECT_EQ(steady.history().accepted.inlet_rate, 0);
 }
 
-std::string name_of(const ::testing::TestParamInfo<GlottalModel>& model) {
-  const std::array<std::string, 4> names{"B1", "B2", "M1", "M2"};
-  return names[static_cast<std::size_t>(model.param)];
-}
-
-INSTANTIATE_TEST_SUITE_P(Models, EveryGlottalModel,
-                         ::testing::Values(GlottalModel::b1, GlottalModel::b2, GlottalModel::m1, GlottalModel::m2),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(Models, EveryGlottalModel, every_model, name_of_model);
 
 TEST(GlottalFlow, B1HasTheExitPressureFromTheThroatOn) {
   const StationAxis axis(n_stations);

@@ -6,16 +6,18 @@
 #include <unistd.h>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "proto/report/failure.hpp"
 #include "tests/unit/flow-server/extruded_fold.hpp"
+#include "tests/unit/flow-server/one_dimensional/every_glottal_model.hpp"
 
 namespace couplet::flow {
 namespace {
 
 using ::testing::HasSubstr;
 
-constexpr double pi = 3.14159265358979324;
+using std::numbers::pi;
 
 GlottisOptions options_of(GlottalModel model) {
   GlottisOptions options;
@@ -154,14 +156,7 @@ TEST_P(GlottisModelOf, AClosedGlottisLeaksThroughItsSmallestGapAndStaysFinite) {
   EXPECT_LT(rate, 0.02 * 2e-4 * std::sqrt(2 * 1100 / 1.13) * 1.5);
 }
 
-std::string name_of(const ::testing::TestParamInfo<GlottalModel>& model) {
-  const std::array<std::string, 4> names{"B1", "B2", "M1", "M2"};
-  return names[static_cast<std::size_t>(model.param)];
-}
-
-INSTANTIATE_TEST_SUITE_P(Models, GlottisModelOf,
-                         ::testing::Values(GlottalModel::b1, GlottalModel::b2, GlottalModel::m1, GlottalModel::m2),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(Models, GlottisModelOf, every_model, name_of_model);
 
 std::string divergence_of(GlottisModel& model, const surface::FieldSet& motion) {
   try {

@@ -2,13 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/unit/flow-server/extruded_fold.hpp"
 
 namespace couplet::flow {
 namespace {
 
-constexpr double pi = 3.14159265358979324;
-constexpr int n_stations = 40;
+using std::numbers::pi;
+constexpr int n_axis_stations = 40;
 
 /// A flow whose pressure is p(x) at the stations between x = 0 and x = exit.
 GlottalSolution flow_with(const StationAxis& axis, double inlet, double exit, const std::function<double(double)>& p) {
@@ -21,7 +23,7 @@ GlottalSolution flow_with(const StationAxis& axis, double inlet, double exit, co
 
 surface::NodeArray force_on(const surface::SurfaceMesh& mesh, const surface::NodeArray& motion, double inlet,
                             double exit, const std::function<double(double)>& p) {
-  const StationAxis axis(n_stations);
+  const StationAxis axis(n_axis_stations);
   const FoldSurface surface(mesh);
   PressureForce pressure_force(surface, axis);
   NodePositions moved;

@@ -7,11 +7,11 @@
 #include <random>
 
 #include "proto/report/failure.hpp"
-#include "solid-server/dynamics/nodal_force.hpp"
 #include "solid-server/element/mass.hpp"
 #include "solid-server/element/tangent.hpp"
 #include "solid-server/mesh/hex20_topology.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "tests/unit/solid-server/element/deformed_body.hpp"
 
 namespace couplet::solid {
 namespace {
@@ -56,62 +56,16 @@ SolidMesh curved_patch() {
   return mesh;
 }
 
-struct Forces {
-  NodeVectors at_node;
-  double energy = 0;
-};
-
-Forces forces(const SolidMesh& mesh, const Material& material, int n_points, const NodeVectors& displacement) {
-  NodalForce body(mesh, {{material, 1000, n_points}}, ExternalForce(mesh, {}, {}, {}), 1);
-  const NodeVectors at_node = body.all(displacement, {0, 0, true});
-  EXPECT_EQ(body.inverted_element(), -1);
-  return {at_node, body.strain_energy()};
-}
-
-NodeVectors homogeneous(const SolidMesh& mesh, const Eigen::Matrix3d& F) {
-  NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
-  displacement.leftCols<3>() = mesh.node_position * (F - Eigen::Matrix3d::Identity()).transpose();
-  return displacement;
-}
-
-NodeVectors wavy(const SolidMesh& mesh) {
-  NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
-  for (Index n = 0; n < mesh.n_nodes(); ++n) {
-    const Eigen::Vector3d X = mesh.node_position.row(n);
-    displacement.row(n) << 0.1 * std::sin(X.y() + X.z()), 0.08 * X.x() * std::cos(X.z()), 0.05 * X.x() * X.y(), 0;
-  }
-  return displacement;
-}
-
-std::vector<char> inside(const SolidMesh& mesh) {
-  std::vector<char> is_inside(static_cast<std::size_t>(mesh.n_nodes()), 1);
-  for (const auto& [name, faces] : mesh.surface)
-    for (const Index n : nodes_of_faces(mesh, faces)) is_inside[static_cast<std::size_t>(n)] = 0;
-  return is_inside;
-}
-
-/// In a homogeneous state no inner node feels a force: the largest one, over the pressure-wave modulus times an
-/// element's area.
-double patch_error(const SolidMesh& mesh, const Material& material, int n_points) {
-  const Eigen::Matrix3d F = (Eigen::Matrix3d() << 1.2, 0.3, -0.1, 0.05, 0.85, 0.2, -0.15, 0.1, 1.1).finished();
-  const NodeVectors force = forces(mesh, material, n_points, homogeneous(mesh, F)).at_node;
-  const auto is_inside = inside(mesh);
-  double largest = 0;
-  for (Index n = 0; n < mesh.n_nodes(); ++n)
-    if (is_inside[static_cast<std::size_t>(n)]) largest = std::max(largest, force.row(n).cwiseAbs().maxCoeff());
-  return largest / std::visit([](const auto& law) { return law.pressure_wave_modulus(); }, material);
-}
-
 TEST(InternalForce, PassesThePatchTestOnStraightEdgesWithAnyQuadrature) {
   for (const Material& material : {Material(svk), Material(rivlin)})
     for (const int n_points : {8, 14, 27})
-      EXPECT_LE(patch_error(distorted_patch(), material, n_points), 1e-14) << n_points;  // round-off
+      EXPECT_LE(patch_error(distorted_patch(), {material, 1000, n_points}), 1e-14) << n_points;  // round-off
 }
 
 TEST(InternalForce, PassesThePatchTestOnCurvedEdgesOnlyWithTwentySevenPoints) {
-  EXPECT_LE(patch_error(curved_patch(), rivlin, 27), 1e-14);
-  EXPECT_GE(patch_error(curved_patch(), rivlin, 8), 1e-6);
-  EXPECT_GE(patch_error(curved_patch(), rivlin, 14), 1e-6);
+  EXPECT_LE(patch_error(curved_patch(), {rivlin, 1000, 27}), 1e-14);
+  EXPECT_GE(patch_error(curved_patch(), {rivlin, 1000, 8}), 1e-6);
+  EXPECT_GE(patch_error(curved_patch(), {rivlin, 1000, 14}), 1e-6);
 }
 
 class KernelOf : public testing::TestWithParam<int> {};
@@ -121,7 +75,7 @@ TEST_P(KernelOf, AgreesWithThePlainForm) {
   const SolidMesh mesh = curved_patch();  // 18 elements: two packs and a part of one
   const NodeVectors displacement = wavy(mesh);
   for (const Material& material : {Material(svk), Material(rivlin)}) {
-    const Forces fast = forces(mesh, material, n_points, displacement);
+    const Forces fast = forces(mesh, {material, 1000, n_points}, displacement);
     NodePositions plain = NodePositions::Zero(mesh.n_nodes(), 3);
     double energy = 0;
     for (Index e = 0; e < mesh.n_elements(); ++e) {
@@ -140,12 +94,12 @@ TEST_P(KernelOf, IsMinusTheDerivativeOfTheEnergy) {
   const int n_points = GetParam();
   const SolidMesh mesh = curved_patch();
   const NodeVectors displacement = wavy(mesh);
-  const Forces at = forces(mesh, rivlin, n_points, displacement);
+  const Forces at = forces(mesh, {rivlin, 1000, n_points}, displacement);
   NodeVectors direction = NodeVectors::Zero(mesh.n_nodes(), 4);
   for (Index n = 0; n < mesh.n_nodes(); ++n) direction.row(n) << std::sin(5 * n), std::cos(7 * n), std::sin(11 * n), 0;
   const double h = 1e-5;
-  const double slope = (forces(mesh, rivlin, n_points, displacement + h * direction).energy -
-                        forces(mesh, rivlin, n_points, displacement - h * direction).energy) /
+  const double slope = (forces(mesh, {rivlin, 1000, n_points}, displacement + h * direction).energy -
+                        forces(mesh, {rivlin, 1000, n_points}, displacement - h * direction).energy) /
                        (2 * h);
   const double work = at.at_node.cwiseProduct(direction).sum();
   // Truncation: h^2 times the third derivative of the energy, which the bulk modulus makes some 1e3 times the slope.
@@ -158,7 +112,7 @@ TEST_P(KernelOf, FeelsNoRigidMotion) {
   NodeVectors displacement = homogeneous(mesh, Q);
   displacement.leftCols<3>().rowwise() += Eigen::RowVector3d(0.3, -2, 5);
   for (const Material& material : {Material(svk), Material(rivlin)}) {
-    const Forces at = forces(mesh, material, GetParam(), displacement);
+    const Forces at = forces(mesh, {material, 1000, GetParam()}, displacement);
     EXPECT_LE(at.at_node.cwiseAbs().maxCoeff(), 2e-9);  // round-off: 1e5 Pa, displacements of 5 m, some 20 terms
   }
 }

@@ -6,6 +6,7 @@
 
 #include "solid-server/element/tangent.hpp"
 #include "solid-server/mesh/parametric/box_mesh.hpp"
+#include "tests/unit/solid-server/element/deformed_body.hpp"
 #include "tests/unit/solid-server/material/material_examples.hpp"
 
 namespace couplet::solid {
@@ -38,22 +39,13 @@ SolidMesh tetrahedra() {
   return mesh;
 }
 
-NodeVectors wavy(const SolidMesh& mesh) {
-  NodeVectors displacement = NodeVectors::Zero(mesh.n_nodes(), 4);
-  for (Index n = 0; n < mesh.n_nodes(); ++n) {
-    const Eigen::Vector3d X = mesh.node_position.row(n);
-    displacement.row(n) << 0.1 * std::sin(X.y() + X.z()), 0.08 * X.x() * std::cos(X.z()), 0.05 * X.x() * X.y(), 0;
-  }
-  return displacement;
-}
-
-struct Case {
+struct MeshCase {
   const char* name;
   SolidMesh (*mesh)();
   int n_points;
 };
 
-class PackedTangentOf : public testing::TestWithParam<Case> {};
+class PackedTangentOf : public testing::TestWithParam<MeshCase> {};
 
 TEST_P(PackedTangentOf, AgreesWithThePlainFormForEveryLaw) {
   const SolidMesh mesh = GetParam().mesh();
@@ -115,9 +107,9 @@ TEST_P(PackedTangentOf, DiffersByTheSecondOrderOfTheStepThatLedToIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, PackedTangentOf,
-                         testing::Values(Case{"hexahedra8", hexahedra, 8}, Case{"hexahedra14", hexahedra, 14},
-                                         Case{"hexahedra27", hexahedra, 27}, Case{"tetrahedra4", tetrahedra, 4},
-                                         Case{"tetrahedra15", tetrahedra, 15}),
+                         testing::Values(MeshCase{"hexahedra8", hexahedra, 8}, MeshCase{"hexahedra14", hexahedra, 14},
+                                         MeshCase{"hexahedra27", hexahedra, 27}, MeshCase{"tetrahedra4", tetrahedra, 4},
+                                         MeshCase{"tetrahedra15", tetrahedra, 15}),
                          [](const auto& of) { return of.param.name; });
 
 TEST(PackedTangent, NamesTheElementThatIsTurnedInsideOut) {

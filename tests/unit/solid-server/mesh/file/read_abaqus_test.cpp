@@ -35,7 +35,7 @@ const char* const three_cubes = R"(*NODE, NSET=all
 12, 16, 15, 11
 )";
 
-std::string refusal(const std::string& text) {
+std::string refusal_of_abaqus(const std::string& text) {
   try {
     check_mesh(read_abaqus(text, "m.inp", 1).mesh, "m.inp");
   } catch (const report::SceneError& error) {
@@ -90,8 +90,9 @@ TEST(ReadAbaqus, MakesSurfacesOfSurfaceElementsAsGmshWritesThem) {
 }
 
 TEST(ReadAbaqus, RefusesASurfaceElementThatIsNoFace) {
-  EXPECT_NE(refusal(std::string(three_cubes) + "*ELEMENT, type=S4, ELSET=skin\n2, 1, 2, 3, 9\n").find("m.inp:24"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal_of_abaqus(std::string(three_cubes) + "*ELEMENT, type=S4, ELSET=skin\n2, 1, 2, 3, 9\n").find("m.inp:24"),
+      std::string::npos);
 }
 
 TEST(ReadAbaqus, TakesRegionsFromTheElementsUnlessSetsPartThem) {
@@ -130,7 +131,7 @@ TEST(ReadAbaqus, KnowsEverySideOfATetrahedron) {
     EXPECT_NEAR(volume_of(mesh), 1.0 / 6, 1e-14);  // rounding
     EXPECT_LE((area_vector_of(mesh, "side") - areas[s]).norm(), 1e-15) << s + 1;
   }
-  EXPECT_EQ(refusal(text + "5\n"), "m.inp:15: surface \"side\" names side S5 of element 1; write S1 to S4");
+  EXPECT_EQ(refusal_of_abaqus(text + "5\n"), "m.inp:15: surface \"side\" names side S5 of element 1; write S1 to S4");
 }
 
 TEST(ReadAbaqus, ReadsSetsOfSetsAndSurfacesOfNodes) {
@@ -178,49 +179,51 @@ TEST(ReadAbaqus, ReadsOnePartAndItsAssembly) {
   EXPECT_EQ(reading.mesh.marker.at("tip"), 15);
   EXPECT_EQ(reading.mesh.node_set.at("root"), (std::vector<Index>{0, 1}));
   EXPECT_EQ(reading.note, "");
-  EXPECT_EQ(refusal(replaced(text, "*END INSTANCE", "1., 0., 0.\n*END INSTANCE")),
+  EXPECT_EQ(refusal_of_abaqus(replaced(text, "*END INSTANCE", "1., 0., 0.\n*END INSTANCE")),
             "m.inp:27: the instance is moved; save a flat input file, without parts and assemblies");
-  EXPECT_EQ(refusal(replaced(text, "*END INSTANCE", "*END INSTANCE\n*INSTANCE, NAME=P-2, PART=P")),
+  EXPECT_EQ(refusal_of_abaqus(replaced(text, "*END INSTANCE", "*END INSTANCE\n*INSTANCE, NAME=P-2, PART=P")),
             "m.inp:28: the file has several instances of parts; save a flat input file, without parts and assemblies");
 }
 
 TEST(ReadAbaqus, RefusesWithLineValueAndRemedy) {
   const std::string good = three_cubes;
-  EXPECT_EQ(refusal(""),
+  EXPECT_EQ(refusal_of_abaqus(""),
             "m.inp:1: this is not an input file of Abaqus or CalculiX: no line begins with a keyword such as "
             "*NODE; save the mesh as .inp");
-  EXPECT_EQ(refusal(replaced(good, "C3D8R", "C3D15")),
+  EXPECT_EQ(refusal_of_abaqus(replaced(good, "C3D8R", "C3D15")),
             "m.inp:18: elements of type C3D15 are not read; use C3D20, C3D20R, C3D8, C3D8R, C3D8I or C3D10");
-  EXPECT_EQ(refusal(replaced(good, "TYPE=C3D8R, ", "")), "m.inp:18: *ELEMENT has no TYPE; write *ELEMENT, TYPE=...");
-  EXPECT_EQ(refusal(replaced(good, "12, 16, 15, 11", "12, 16, 15")), "m.inp:21: element 30 has 7 nodes; C3D8R has 8");
-  EXPECT_EQ(refusal(replaced(good, "20, 5, 9, 10", "20, 5, 9, 99")),
+  EXPECT_EQ(refusal_of_abaqus(replaced(good, "TYPE=C3D8R, ", "")),
+            "m.inp:18: *ELEMENT has no TYPE; write *ELEMENT, TYPE=...");
+  EXPECT_EQ(refusal_of_abaqus(replaced(good, "12, 16, 15, 11", "12, 16, 15")),
+            "m.inp:21: element 30 has 7 nodes; C3D8R has 8");
+  EXPECT_EQ(refusal_of_abaqus(replaced(good, "20, 5, 9, 10", "20, 5, 9, 99")),
             "m.inp:20: element 20 names node 99, which the file does not have");
-  EXPECT_EQ(refusal(replaced(good, "20, 5, 9, 10", "20, 5, 9.5, 10")),
+  EXPECT_EQ(refusal_of_abaqus(replaced(good, "20, 5, 9, 10", "20, 5, 9.5, 10")),
             "m.inp:20: \"9.5\" is not a whole number for a node of the element");
   EXPECT_EQ(
-      refusal(replaced(good, "20, 5, 9", "10, 5, 9")),
+      refusal_of_abaqus(replaced(good, "20, 5, 9", "10, 5, 9")),
       "m.inp:20: element 10 is there twice; give every element its own number; an element belongs to one region only");
-  EXPECT_EQ(refusal(good + "*INCLUDE, INPUT=more.inp\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*INCLUDE, INPUT=more.inp\n"),
             "m.inp:23: *INCLUDE is not read; put the text of that file here");
-  EXPECT_EQ(refusal(good + "*NGEN\n1, 2\n"), "m.inp:23: *NGEN is not read; write every node out");
-  EXPECT_EQ(refusal(good + "*NSET\n1\n"), "m.inp:23: *NSET has no NSET; write *NSET, NSET=...");
-  EXPECT_EQ(refusal(good + "*NSET, NSET=a\n1, b\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*NGEN\n1, 2\n"), "m.inp:23: *NGEN is not read; write every node out");
+  EXPECT_EQ(refusal_of_abaqus(good + "*NSET\n1\n"), "m.inp:23: *NSET has no NSET; write *NSET, NSET=...");
+  EXPECT_EQ(refusal_of_abaqus(good + "*NSET, NSET=a\n1, b\n"),
             "m.inp:24: set \"a\" names \"b\", which is neither a number nor a set that stands above");
-  EXPECT_EQ(refusal(good + "*NSET, NSET=a\n99\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*NSET, NSET=a\n99\n"),
             "m.inp:24: node set \"a\" names node 99, which the file does not have");
-  EXPECT_EQ(refusal(good + "*ELSET, ELSET=a\n99\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*ELSET, ELSET=a\n99\n"),
             "m.inp:24: set \"a\" names element 99, which the file does not have");
-  EXPECT_EQ(refusal(good + "*NSET, NSET=a, GENERATE\n9, 1\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*NSET, NSET=a, GENERATE\n9, 1\n"),
             "m.inp:24: the range from 9 to 1 by 1 is not a range of labels");
-  EXPECT_EQ(refusal(good + "*SURFACE, NAME=a\n99, S1\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*SURFACE, NAME=a\n99, S1\n"),
             "m.inp:24: surface \"a\" names element 99, which the file does not have");
-  EXPECT_EQ(refusal(good + "*SURFACE, NAME=a\nlid, S1\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*SURFACE, NAME=a\nlid, S1\n"),
             "m.inp:24: surface \"a\" names the set \"lid\", which the file does not have");
-  EXPECT_EQ(refusal(good + "*SURFACE, NAME=a\n10, SPOS\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*SURFACE, NAME=a\n10, SPOS\n"),
             "m.inp:24: surface \"a\" names side SPOS of element 10; write S1 to S6");
-  EXPECT_EQ(refusal(good + "*SURFACE, NAME=a\n10\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*SURFACE, NAME=a\n10\n"),
             "m.inp:24: surface \"a\" names no side of element 10; write S1 to S6");
-  EXPECT_EQ(refusal(good + "*SURFACE, NAME=a, TYPE=CUTTING SURFACE\n"),
+  EXPECT_EQ(refusal_of_abaqus(good + "*SURFACE, NAME=a, TYPE=CUTTING SURFACE\n"),
             "m.inp:23: *SURFACE of TYPE=CUTTING SURFACE is not read; use TYPE=ELEMENT or TYPE=NODE");
 }
 

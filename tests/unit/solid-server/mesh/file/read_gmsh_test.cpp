@@ -109,7 +109,7 @@ $Elements
 $EndElements
 )";
 
-std::string refusal(const std::string& text) {
+std::string refusal_of_gmsh(const std::string& text) {
   try {
     check_mesh(read_gmsh(text, "m.msh", 1), "m.msh");
   } catch (const report::SceneError& error) {
@@ -254,69 +254,70 @@ $EndElementData
   EXPECT_EQ(both.block[1].axes.at(0)[1], Eigen::Vector3d(0, 1, 0));
   const SolidMesh other = read_gmsh(text + replaced(fibre, "\"fibre\"", "\"stress\""), "m.msh", 1);
   EXPECT_TRUE(other.block[0].axes.empty());
-  EXPECT_EQ(refusal(text + replaced(fibre, "0 2 0", "0 0 0")), "m.msh:66: the fibre of element 5 has no direction");
-  EXPECT_EQ(refusal(text + replaced(fibre, "6 0 0 -1", "9 0 0 -1")),
+  EXPECT_EQ(refusal_of_gmsh(text + replaced(fibre, "0 2 0", "0 0 0")),
+            "m.msh:66: the fibre of element 5 has no direction");
+  EXPECT_EQ(refusal_of_gmsh(text + replaced(fibre, "6 0 0 -1", "9 0 0 -1")),
             "m.msh:67: a fibre is given for element 9, which the file does not have");
-  EXPECT_EQ(refusal(text + replaced(fibre, "0\n3\n2", "0\n1\n2")),
+  EXPECT_EQ(refusal_of_gmsh(text + replaced(fibre, "0\n3\n2", "0\n1\n2")),
             "m.msh:65: the data \"fibre\" have 1 numbers an element; give directions: 3 numbers");
-  EXPECT_EQ(refusal(text + fibre + replaced(cross, "5 1 1 0", "5 0 1 0")),
+  EXPECT_EQ(refusal_of_gmsh(text + fibre + replaced(cross, "5 1 1 0", "5 0 1 0")),
             "m.msh:66: fibre and cross_fibre of element 5 are parallel; give two directions across each other");
 }
 
 TEST(ReadGmsh, RefusesFibresOfSomeElementsOfARegion) {
   std::string text = replaced(TwoCubes(1).gmsh_2(), "6 17 2 6 2", "6 17 2 5 2");
   text += "$ElementData\n1\n\"fibre\"\n1\n0\n3\n0\n3\n1\n6 1 0 0\n$EndElementData\n";
-  EXPECT_EQ(refusal(text),
+  EXPECT_EQ(refusal_of_gmsh(text),
             "m.msh:54: element 5 has no fibre, other elements of region \"soft\" have one; give fibres for all "
             "elements of a region or for none");
 }
 
 TEST(ReadGmsh, RefusesWithLineValueAndRemedy) {
   const std::string four = TwoCubes(1).gmsh_4(), two = TwoCubes(1).gmsh_2();
-  EXPECT_EQ(refusal(""), "m.msh:1: the file is empty; give a mesh saved by Gmsh");
-  EXPECT_EQ(refusal("solid cube\n"),
+  EXPECT_EQ(refusal_of_gmsh(""), "m.msh:1: the file is empty; give a mesh saved by Gmsh");
+  EXPECT_EQ(refusal_of_gmsh("solid cube\n"),
             "m.msh:1: this is not a Gmsh mesh: it does not begin with $MeshFormat; save the mesh as .msh, version 4.1");
-  EXPECT_EQ(refusal(replaced(four, "4.1 0 8", "4.1 1 8")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(four, "4.1 0 8", "4.1 1 8")),
             "m.msh:2: the file is binary; set Mesh.Binary=0 and save again");
-  EXPECT_EQ(refusal(replaced(four, "4.1 0 8", "4 0 8")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(four, "4.1 0 8", "4 0 8")),
             "m.msh:2: version 4 of the format is not read; set Mesh.MshFileVersion=4.1 and save again");
   const std::string remedy = "; set Mesh.ElementOrder=2 and Mesh.SecondOrderIncomplete=1, and save again";
-  EXPECT_EQ(refusal(replaced(four, "3 1 17 1", "3 1 4 1")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(four, "3 1 17 1", "3 1 4 1")),
             "m.msh:100: elements of type 4 (4-node tetrahedron) are not read" + remedy);
-  EXPECT_EQ(refusal(replaced(two, "5 17 2", "5 12 2")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "5 17 2", "5 12 2")),
             "m.msh:54: elements of type 12 (27-node hexahedron) are not read; set Mesh.SecondOrderIncomplete=1 and "
             "save again");
   EXPECT_EQ(
-      refusal(replaced(two, "5 17 2", "5 18 2")),
+      refusal_of_gmsh(replaced(two, "5 17 2", "5 18 2")),
       "m.msh:54: elements of type 18 (15-node prism) are not read; mesh the volumes with hexahedra or tetrahedra only");
   EXPECT_EQ(
-      refusal(replaced(two, "5 17 2", "5 7 2")),
+      refusal_of_gmsh(replaced(two, "5 17 2", "5 7 2")),
       "m.msh:54: elements of type 7 (5-node pyramid) are not read; mesh the volumes with hexahedra or tetrahedra only");
-  EXPECT_EQ(refusal(replaced(two, "5 17 2", "5 92 2")), "m.msh:54: elements of type 92 are not read" + remedy);
-  EXPECT_EQ(refusal(replaced(two, "3 16 2", "3 10 2")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "5 17 2", "5 92 2")), "m.msh:54: elements of type 92 are not read" + remedy);
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "3 16 2", "3 10 2")),
             "m.msh:52: elements of type 10 (9-node quadrilateral) are not read; set Mesh.SecondOrderIncomplete=1 and "
             "save again");
-  EXPECT_EQ(refusal(replaced(two, "\n2 0.5 0 0\n", "\n2 0.5 0 zero\n")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "\n2 0.5 0 0\n", "\n2 0.5 0 zero\n")),
             "m.msh:16: \"zero\" is not a number for the place of a node");
-  EXPECT_EQ(refusal(replaced(two, "\n2 0.5 0 0\n", "\n2 0.5 0\n")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "\n2 0.5 0 0\n", "\n2 0.5 0\n")),
             "m.msh:16: the line ends before the place of a node");
-  EXPECT_EQ(refusal(replaced(two, "\n2 0.5 0 0\n", "\n1 0.5 0 0\n")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "\n2 0.5 0 0\n", "\n1 0.5 0 0\n")),
             "m.msh:16: node 1 is there twice; give every node its own number");
-  EXPECT_EQ(refusal(replaced(two, "\n2 0.5 0 0\n", "\n99 0.5 0 0\n")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "\n2 0.5 0 0\n", "\n99 0.5 0 0\n")),
             "m.msh:54: element 5 names node 2, which the file does not have");
   EXPECT_EQ(
-      refusal(replaced(two, "6 17 2", "5 17 2")),
+      refusal_of_gmsh(replaced(two, "6 17 2", "5 17 2")),
       "m.msh:55: element 5 is there twice; give every element its own number; an element belongs to one region only");
-  EXPECT_EQ(refusal(replaced(four, "1 0 0 0 1 1 1 1 5 0", "1 0 0 0 1 1 1 2 5 6 0")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(four, "1 0 0 0 1 1 1 1 5 0", "1 0 0 0 1 1 1 2 5 6 0")),
             "m.msh:101: element 5 belongs to the physical volumes \"soft\" and \"stiff\"; put every volume into one "
             "physical volume");
-  EXPECT_EQ(refusal(replaced(two, "$EndNodes", "33 0 0 0\n$EndNodes")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "$EndNodes", "33 0 0 0\n$EndNodes")),
             "m.msh:47: here $EndNodes should stand; the numbers of lines before it are wrong");
-  EXPECT_EQ(refusal(replaced(two, "$EndElements\n", "")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(two, "$EndElements\n", "")),
             "m.msh:55: the file ends before $EndElements; the file is cut off: write it again");
-  EXPECT_EQ(refusal("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
+  EXPECT_EQ(refusal_of_gmsh("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"),
             "m.msh: has no solid elements; save hexahedra with 20 or 8 nodes or tetrahedra with 10 nodes");
-  EXPECT_EQ(refusal(replaced(four, "$Entities\n", "$PartitionedEntities\n")),
+  EXPECT_EQ(refusal_of_gmsh(replaced(four, "$Entities\n", "$PartitionedEntities\n")),
             "m.msh:13: the mesh is partitioned; save it without partitions");
 }
 
@@ -324,7 +325,7 @@ TEST(ReadGmsh, RefusesAFaceOfNoElement) {
   // The tetrahedron's face with a corner that it does not have.
   std::string text = replaced(tetrahedron, "1 9 2 7 1 1 3 2 7 6 5", "1 9 2 7 1 1 3 5 7 6 5");
   EXPECT_EQ(
-      refusal(text),
+      refusal_of_gmsh(text),
       "m.msh:19: a face of surface \"7\" belongs to no element; save the solid elements too, with the same order");
 }
 
