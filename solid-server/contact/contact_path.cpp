@@ -45,11 +45,16 @@ bool SurfaceContact::deepens_too_fast(const double* from, const double* to) {
     for (std::size_t n = 0; n < x_.size(); ++n) x_[n] = start[n] + (look / n_looks) * (end[n] - start[n]);
     search_here();
     find_gaps(0, 1);
-    for (std::size_t s = 0; s < sides_.size(); ++s)
-      for (std::size_t n = 0; n < sides_[s].touch.size(); ++n) {
-        const double before = gap_at_start[s][at(sides_[s].search.active_point()[n])];
-        if (sides_[s].touch[n].gap - before > allowed_gain(sides_[s])) return true;
-      }
+    for (std::size_t s = 0; s < sides_.size(); ++s) {
+      const Side& side = sides_[s];
+      std::vector<double> gap(gap_at_start[s].size(), 0);
+      for (std::size_t n = 0; n < side.touch.size(); ++n) gap[at(side.search.active_point()[n])] = side.touch[n].gap;
+      // A point that was nearly as deep as contact pushes and is out of it has left through the back.
+      const double nearly_let_go = side.distance + side.largest_depth - 2 * allowed_gain(side);
+      for (std::size_t p = 0; p < gap.size(); ++p)
+        if (gap[p] - gap_at_start[s][p] > allowed_gain(side) || (gap[p] == 0 && gap_at_start[s][p] > nearly_let_go))
+          return true;
+    }
   }
   return false;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "proto/report/failure.hpp"
 #include "solid-server/contact/closest_point.hpp"
@@ -20,6 +21,10 @@ constexpr double skin_per_face_size = 0.25;
 
 // Distances that differ by less than this share of the reach are those of one point on an edge between two faces.
 constexpr double same_distance = 1e-10;
+
+// A body that has grown more than this has come apart in too long substeps: its elements will say so, and all its
+// points would be near all faces until then.
+constexpr double most_growth = 100;
 
 std::size_t at(Index n) {
   return static_cast<std::size_t>(n);
@@ -89,10 +94,10 @@ SurfaceContact::SurfaceContact(const SolidMesh& mesh, std::vector<ContactPair> p
   cancelled_area_.assign(node_.size(), 0);
   area_.assign(node_.size(), 0);
   holds_force_.assign(node_.size(), 0);
-  for (const Side& side : sides_)
-    for (const ContactPoint& point : region_[side.points].point)
+  for (const ContactRegion& region : region_)  // once each, however many pairs name it
+    for (const ContactPoint& point : region.point)
       for (std::size_t a = 0; a < max_face_nodes; ++a)
-        area_[at(region_[side.points].face[at(point.face)].node[a])] += std::abs(point.shape[a]) * point.area;
+        area_[at(region.face[at(point.face)].node[a])] += std::abs(point.shape[a]) * point.area;
 }
 
 std::size_t SurfaceContact::region_of(const SolidMesh& mesh, const std::string& surface, const std::string& where) {
@@ -200,6 +205,20 @@ ContactPositions SurfaceContact::positions_at(const double* displacement) const 
   return x;
 }
 
+bool SurfaceContact::has_blown_up() const {
+  const auto extent = [](const ContactPositions& x) {
+    NodeQuad low = x.front(), high = x.front();
+    bool is_finite = true;
+    for (const NodeQuad& node : x) {
+      low = low < node ? low : node;
+      high = high > node ? high : node;
+      is_finite &= std::isfinite(node[0] + node[1] + node[2]);
+    }
+    return is_finite ? length(high - low) : std::numeric_limits<double>::infinity();
+  };
+  return !(extent(x_) < most_growth * extent(rest_));
+}
+
 void SurfaceContact::search(const double* displacement) {
   x_ = positions_at(displacement);
   search_here();
@@ -207,6 +226,10 @@ void SurfaceContact::search(const double* displacement) {
 
 void SurfaceContact::search_here() {
   is_active_ = false;
+  if (!is_empty() && has_blown_up()) {
+    for (Side& side : sides_) side.touch.clear();
+    return;
+  }
   std::vector<char> is_near(region_.size(), 0);
   for (Side& side : sides_) {
     side.search.update(region_[side.points], region_[side.faces], x_);
@@ -271,7 +294,8 @@ void SurfaceContact::write(int member, int n_members, double* force) {
       if (is_own) cancelled_area_[at(node)] += cancelled * std::abs(weight);
     });
   });
-  for (auto n = at(first); n < at(last); ++n) factor_[n] = area_[n] > 0 ? 1 - cancelled_area_[n] / area_[n] : 1;
+  for (auto n = at(first); n < at(last); ++n)
+    factor_[n] = area_[n] > 0 ? 1 - std::min(1.0, cancelled_area_[n] / area_[n]) : 1;
 }
 
 void SurfaceContact::find_all(const double* displacement) {

@@ -81,8 +81,8 @@ class SurfaceContact {
   /// Whether a point that find_gaps looked at last touches.
   bool is_touching() const;
   /// Whether a point comes deeper into contact, on the straight way between two displacements [m], by more than an
-  /// eighth of the depth over which its pair pushes, d0 + largest_depth. A step in which none does has felt all that it
-  /// met: no point has come from the front of a sheet to its back, or to where it is let go.
+  /// eighth of the depth over which its pair pushes, d0 + largest_depth, or is let go at its end. A step in which none
+  /// does has felt all that it met: no point has come from the front of a sheet to its back.
   bool deepens_too_fast(const double* from, const double* to);
 
   /// One touching point; Newton's method should search along its line, since the direction of a force jumps where a
@@ -131,6 +131,7 @@ class SurfaceContact {
   void find_all(const double* displacement);
   ContactPositions positions_at(const double* displacement) const;
   void search_here();  // at x_
+  bool has_blown_up() const;
   template <class Visit>
   void for_each_touch(const Visit& visit) const;
   template <class Visit>

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "proto/report/failure.hpp"
@@ -202,6 +204,36 @@ TEST(SurfaceContact, CancelsTheInterfaceLoadSmoothly) {
   }
 }
 
+TEST(SurfaceContact, CancelsTheWholeInterfaceLoadOfASurfaceWithTwoNeighboursWhereOnePresses) {
+  SolidMesh below = make_box_mesh({{1, 1, 0.3}, {2, 2, 1}}), above = below, far_away = below;
+  above.node_position.col(2).array() += 0.5;
+  far_away.node_position.col(2).array() -= 5;
+  const SolidMesh mesh = join_bodies({below, above, far_away}, {"below", "above", "far_away"});
+  SurfaceContact contact(mesh, {pair_of_plates(), {"above/z_min", "far_away/z_max", k, d0, 0.1}});
+  NodeVectors force = NodeVectors::Zero(contact.n_nodes(), 4);
+  contact.search(moved(mesh, {0, 0, -0.19}, 0).data());  // 0.04 deep, four fifths of d0
+  contact.find_gaps(0, 1);
+  contact.write(0, 1, force.data());
+  for (Index n = 0; n < contact.n_nodes(); ++n) {
+    const bool is_pressed = mesh.node_position(contact.node()[static_cast<std::size_t>(n)], 2) > 0;
+    EXPECT_NEAR(contact.interface_load_factor(n), is_pressed ? 0 : 1, 1e-12);
+  }
+}
+
+TEST(SurfaceContact, LeavesBodiesAloneThatHaveBlownUp) {
+  const SolidMesh mesh = two_plates();
+  SurfaceContact contact(mesh, {pair_of_plates()});
+  NodeVectors u = moved(mesh, {0, 0, -0.18}, 0);
+  EXPECT_GT(contact.total(u.data()).n_touching, 0);
+  for (const double value : {1e9, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    NodeVectors blown_up = u;
+    blown_up(contact.node()[0], 1) = value;
+    EXPECT_EQ(contact.total(blown_up.data()).n_touching, 0);
+    EXPECT_EQ(force_at(contact, blown_up).norm(), 0);
+  }
+  EXPECT_GT(contact.total(u.data()).n_touching, 0);
+}
+
 TEST(SurfaceContact, StiffnessIsTheDerivativeOfTheForceWhereTheGapIsSmall) {
   const SolidMesh mesh = two_plates();
   SurfaceContact contact(mesh, {pair_of_plates()});
@@ -304,6 +336,9 @@ TEST(SurfaceContact, NoticesAWayThatIsTooLongToFollow) {
   EXPECT_FALSE(too_fast({0, 0, -0.18}, {0, 0, 1}));       // away from it
   EXPECT_FALSE(too_fast({0, 0, -0.18}, {0, 0, -0.198}));  // from 0.03 deep to 0.048
   EXPECT_TRUE(too_fast({0, 0, -0.18}, {0, 0, -0.2}));
+  EXPECT_FALSE(too_fast({0, 0, -0.29}, {0, 0, -0.299}));  // still held, at the end of what contact pushes
+  EXPECT_TRUE(too_fast({0, 0, -0.299}, {0, 0, -0.31}));   // let go at the back
+  EXPECT_FALSE(too_fast({0, 0, -0.19}, {0, 0, 1}));       // let go at the front
   NodeVectors together = moved(mesh, {0, 0, -0.18}, 0);
   together.col(2).array() += 1e3;  // both plates
   EXPECT_FALSE(contact.deepens_too_fast(moved(mesh, {0, 0, -0.18}, 0).data(), together.data()));
