@@ -115,7 +115,8 @@ void order_visits(const ChunkTable& table, int n_members, SweepPlan& plan) {
     plan.chunks[at(c)].last_visit = visit;
   }
   for (Index member = 0; member <= n_members; ++member)
-    plan.first_shared_visit.push_back(visit + (n_visits - visit) * member / n_members);
+    plan.first_shared_visit.push_back(visit +
+                                      static_cast<Index>(static_cast<long>(n_visits - visit) * member / n_members));
 }
 
 }  // namespace

@@ -93,6 +93,8 @@ std::string NewtonReport::sentence() const {
       return "the forces are out of balance by " + report::text(residual) + " of their size" + after;
     case NewtonOutcome::diverged:
       return "the corrections grow" + after;
+    case NewtonOutcome::not_finite:
+      return "the forces are no finite numbers" + after;
     case NewtonOutcome::inverted_element:
       return "element " + std::to_string(inverted_element) + " is turned inside out" + after;
   }
@@ -140,7 +142,7 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
     const double allowed = control_.tolerance * r.scale, size_of_r = r.value.norm();
     report.residual = size_of_r / std::max(r.scale, std::numeric_limits<double>::min());
     if (size_of_r <= allowed) break;
-    if (!std::isfinite(size_of_r)) return fail(NewtonOutcome::diverged);
+    if (!std::isfinite(size_of_r)) return fail(NewtonOutcome::not_finite);
     if (report.n_iterations == control_.n_iterations_most) return fail(NewtonOutcome::too_many_iterations);
 
     NodeVectors d;
@@ -165,7 +167,10 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
     if (size_before > 0 && size > size_before && ++n_growing > n_growing_most) return fail(NewtonOutcome::diverged);
 
     Step step(system, here, d);
-    if (!step.halve_until_valid()) return fail(NewtonOutcome::inverted_element, step.residual().inverted_element);
+    if (!step.halve_until_valid()) {
+      const Index inverted = step.residual().inverted_element;
+      return fail(inverted < 0 ? NewtonOutcome::not_finite : NewtonOutcome::inverted_element, inverted);
+    }
     const bool is_new = !is_kept || (report.n_iterations == 0 && factors == Factors::of_this_start);
     if (!is_new || !system.takes_full_steps()) step.search(dot(d, r.value));
     ++report.n_iterations;

@@ -40,7 +40,7 @@ struct NewtonControl {
   int n_iterations_most = 25;
 };
 
-enum class NewtonOutcome { converged, too_many_iterations, diverged, inverted_element };
+enum class NewtonOutcome { converged, too_many_iterations, diverged, not_finite, inverted_element };
 
 struct NewtonReport {
   NewtonOutcome outcome = NewtonOutcome::converged;

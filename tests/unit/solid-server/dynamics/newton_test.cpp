@@ -70,6 +70,15 @@ TEST(Newton, TakesAnInvertedElementForInfiniteEnergy) {
   EXPECT_NE(report.sentence().find("element 7"), std::string::npos);
 }
 
+TEST(Newton, SaysThatForcesAreNotFinite) {
+  OneSpring spring = hardening();
+  spring.spring = [](double u) { return u == 0 ? 0 : std::exp(1e3 / std::abs(u)) * std::exp(1e3); };
+  NodeVectors u = nothing;
+  const NewtonReport report = Newton({1e-10}).solve(spring, u, nothing);
+  EXPECT_EQ(report.outcome, NewtonOutcome::not_finite) << report.sentence();
+  EXPECT_EQ(report.inverted_element, -1);
+}
+
 TEST(Newton, SaysThatThereIsNoSolutionAndLeavesTheStart) {
   OneSpring spring;  // a spring that bears no more than 1
   spring.spring = [](double u) { return u / std::sqrt(1 + u * u); };
