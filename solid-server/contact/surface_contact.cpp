@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "proto/report/failure.hpp"
 #include "solid-server/contact/closest_point.hpp"
+#include "solid-server/contact/rolling_ball.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/element_packs.hpp"
 #include "solid-server/element/shape_functions.hpp"
+#include "solid-server/support/symmetric_eigenvalues.hpp"
 
 namespace couplet::solid {
 
@@ -22,12 +25,24 @@ constexpr double skin_per_face_size = 0.25;
 // Distances that differ by less than this share of the reach are those of one point on an edge between two faces.
 constexpr double same_distance = 1e-10;
 
+// The smallest ball that rounds valleys, of the size of the smallest face: large enough that the rounded surface is
+// never stiffer across a valley than straight into it, since gaps are smaller, small enough not to fill what a mesh
+// resolves.
+constexpr double ball_per_face_size = 0.1;
+
+// Of the largest bend between the faces of a valley: what is less is flat, and the shares there a matter of choice.
+constexpr double flat_bend = 1e-6;
+
 // A body that has grown more than this has come apart in too long substeps: its elements will say so, and all its
 // points would be near all faces until then.
 constexpr double most_growth = 100;
 
-std::size_t at(Index n) {
+std::size_t at(Eigen::Index n) {
   return static_cast<std::size_t>(n);
+}
+
+Eigen::Vector3d vector(const NodeQuad& a) {
+  return {a[0], a[1], a[2]};
 }
 
 /// The nodes of the surfaces, rising.
@@ -62,6 +77,11 @@ void check(const ContactPair& pair, const std::string& where) {
 double smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
   return t * t * (3 - 2 * t);
+}
+
+void put_shape(const ContactFace& face, const FaceCoordinates& where, std::array<double, max_face_nodes>& shape) {
+  const auto values = shape_values(face.shape, where);
+  std::copy(values.begin(), values.end(), shape.begin());
 }
 
 double shape_sum(const std::array<double, max_face_nodes>& shape) {
@@ -114,8 +134,11 @@ std::size_t SurfaceContact::region_of(const SolidMesh& mesh, const std::string& 
 
 void SurfaceContact::add_side(std::size_t points, std::size_t faces, const ContactPair& pair) {
   const ContactRegion &own = region_[points], &other = region_[faces];
-  double area = 0;
-  for (const ContactPoint& point : other.point) area += point.area;
+  std::vector<double> face_area(other.face.size(), 0);
+  for (const ContactPoint& point : other.point) face_area[at(point.face)] += point.area;
+  const double area = std::accumulate(face_area.begin(), face_area.end(), 0.0);
+  const double ball_radius =
+      std::max(pair.distance, ball_per_face_size * std::sqrt(*std::min_element(face_area.begin(), face_area.end())));
   SearchReach reach;
   reach.reach = std::max(pair.distance, pair.largest_depth);
   reach.skin = skin_per_face_size * std::sqrt(area / static_cast<double>(other.face.size()));
@@ -125,6 +148,7 @@ void SurfaceContact::add_side(std::size_t points, std::size_t faces, const Conta
             pair.stiffness / 2,  // each surface is points and faces in turn
             pair.distance,
             pair.largest_depth,
+            ball_radius,
             pair.cancels_interface_load,
             ContactSearch(other, rest_, reach),
             {},
@@ -134,7 +158,7 @@ void SurfaceContact::add_side(std::size_t points, std::size_t faces, const Conta
   const auto& active = side.search.active_point();
   for (std::size_t n = 0; n < active.size(); ++n) {
     const Touch at_rest = touch_of(side, own.position(own.point[at(active[n])], rest_), side.search.faces_near(n));
-    if (at_rest.face >= 0) side.threshold[at(active[n])] = std::min(pair.distance, at_rest.distance);
+    if (at_rest.foot.face >= 0) side.threshold[at(active[n])] = std::min(pair.distance, at_rest.distance);
   }
   sides_.push_back(std::move(side));
 }
@@ -156,11 +180,11 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
     const NodeQuad normal = curved.normal(found.at), r = x - found.position;
     const double height = dot(r, normal);
     // Of two faces with the same closest point on their edge, the one that looks more towards x knows the side.
-    const bool is_tie = touch.face >= 0 && found.distance > closest - tolerance;
+    const bool is_tie = touch.foot.face >= 0 && found.distance > closest - tolerance;
     if (is_tie && std::abs(height) <= alignment) return;
     closest = found.distance;
     alignment = std::abs(height);
-    touch.face = f;
+    touch.foot.face = f;
     where = found.at;
     if (found.edge < 0) {
       touch.distance = height;
@@ -188,11 +212,51 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
     const double furthest = closest + tolerance;
     if (f != nearest && squared_distance(x, box[at(f)]) <= furthest * furthest) try_face(f);
   }
-  if (touch.face >= 0) {
-    const auto shape = shape_values(region.face[at(touch.face)].shape, where);
-    std::copy(shape.begin(), shape.end(), touch.shape.begin());
-  }
+  if (touch.foot.face < 0) return touch;
+  touch.foot.push = touch.direction;
+  put_shape(region.face[at(touch.foot.face)], where, touch.foot.shape);
+  if (touch.distance < side.distance + side.ball_radius && touch.distance > -side.largest_depth)
+    round_valley(side, x, faces, touch);
   return touch;
+}
+
+void SurfaceContact::round_valley(const Side& side, const NodeQuad& x, std::span<const Index> faces,
+                                  Touch& touch) const {
+  const ContactRegion& region = region_[side.faces];
+  const ContactFace& closest = region.face[at(touch.foot.face)];
+  const auto hangs_together = [&](const ContactFace& face) {
+    const auto nodes = [](const ContactFace& f) {
+      return std::span(f.node).first(static_cast<std::size_t>(n_corners_of(f.shape)));
+    };
+    return std::ranges::any_of(
+        nodes(face), [&](Index node) { return std::ranges::find(nodes(closest), node) != nodes(closest).end(); });
+  };
+  // Most often no box of another face reaches into the ball.
+  const double view = view_distance(touch.distance, side.ball_radius);
+  const NodeQuad middle = x + view * touch.direction;
+  const double to_closest = (touch.distance + view) * (1 - same_distance);
+  const auto may_touch = [&](Index f) {
+    return f != touch.foot.face && squared_distance(middle, box_[side.faces][at(f)]) < to_closest * to_closest &&
+           hangs_together(region.face[at(f)]);
+  };
+  if (std::ranges::none_of(faces, may_touch)) return;
+
+  std::vector<Index> number{touch.foot.face};
+  for (const Index f : faces)
+    if (f != touch.foot.face && hangs_together(region.face[at(f)])) number.push_back(f);
+  std::vector<CurvedFace> curved;
+  for (const Index f : number) curved.push_back(region.face[at(f)].curved(x_));
+  const RoundedDistance rounded = rounded_distance(curved, x, touch.distance, touch.direction, side.ball_radius);
+  touch.distance = rounded.distance;
+  touch.direction = rounded.direction;
+  for (const BallTouch& part : rounded.touch) {
+    Foot foot{number[part.face], {}, part.share * part.direction};
+    put_shape(region.face[at(foot.face)], part.at, foot.shape);
+    if (&part == &rounded.touch.front())
+      touch.foot = foot;
+    else
+      touch.further_feet.push_back(foot);
+  }
 }
 
 void SurfaceContact::find_boxes(std::size_t region) {
@@ -249,7 +313,7 @@ void SurfaceContact::find_gaps(int member, int n_members) {
       const Index p = side.search.active_point()[n];
       Touch& touch = side.touch[n];
       touch = touch_of(side, own.position(own.point[at(p)], x_), side.search.faces_near(n));
-      const bool is_near = touch.face >= 0 && touch.distance >= -side.largest_depth;
+      const bool is_near = touch.foot.face >= 0 && touch.distance >= -side.largest_depth;
       touch.gap = is_near ? std::max(0.0, side.threshold[at(p)] - touch.distance) : 0;
     }
   }
@@ -264,14 +328,19 @@ void SurfaceContact::for_each_touch(const Visit& visit) const {
         visit(side, region_[side.points].point[at(side.search.active_point()[n])], side.touch[n]);
 }
 
-/// Calls visit(contact node, c_a, whether it is on the point's own face): N_a, then - N_b.
+/// Calls visit(contact node, weight, direction, whether it is on the point's own face): N_a, n, then - N_b, lambda n_f.
 template <class Visit>
 void SurfaceContact::scatter(const Side& side, const ContactPoint& point, const Touch& touch,
                              const Visit& visit) const {
   const ContactFace& own = region_[side.points].face[at(point.face)];
-  const ContactFace& other = region_[side.faces].face[at(touch.face)];
-  for (std::size_t a = 0; a < at(n_nodes_of(own.shape)); ++a) visit(own.node[a], point.shape[a], true);
-  for (std::size_t a = 0; a < at(n_nodes_of(other.shape)); ++a) visit(other.node[a], -touch.shape[a], false);
+  for (std::size_t a = 0; a < at(n_nodes_of(own.shape)); ++a) visit(own.node[a], point.shape[a], touch.direction, true);
+  const auto push = [&](const Foot& foot) {
+    const ContactFace& other = region_[side.faces].face[at(foot.face)];
+    for (std::size_t a = 0; a < at(n_nodes_of(other.shape)); ++a)
+      visit(other.node[a], -foot.shape[a], foot.push, false);
+  };
+  push(touch.foot);
+  for (const Foot& foot : touch.further_feet) push(foot);
 }
 
 void SurfaceContact::write(int member, int n_members, double* force) {
@@ -283,16 +352,17 @@ void SurfaceContact::write(int member, int n_members, double* force) {
   std::fill(cancelled_area_.begin() + first, cancelled_area_.begin() + last, 0.0);
 
   for_each_touch([&, first = first, last = last](const Side& side, const ContactPoint& point, const Touch& touch) {
-    const NodeQuad push = (side.stiffness * point.area * touch.gap) * touch.direction;
+    const double pressed = side.stiffness * point.area * touch.gap;
     const double cancelled = side.cancels_interface_load && side.distance > 0
                                  ? smooth_step(touch.gap / (cancelling_range * side.distance)) * point.area
                                  : 0;
-    scatter(side, point, touch, [&, first = first, last = last](Index node, double weight, bool is_own) {
-      if (node < first || node >= last) return;
-      const NodeQuad sum = load_quad(force + width * node) + weight * push;
-      std::memcpy(force + width * node, &sum, sizeof sum);
-      if (is_own) cancelled_area_[at(node)] += cancelled * std::abs(weight);
-    });
+    scatter(side, point, touch,
+            [&, first = first, last = last](Index node, double weight, const NodeQuad& direction, bool is_own) {
+              if (node < first || node >= last) return;
+              const NodeQuad sum = load_quad(force + width * node) + (weight * pressed) * direction;
+              std::memcpy(force + width * node, &sum, sizeof sum);
+              if (is_own) cancelled_area_[at(node)] += cancelled * std::abs(weight);
+            });
   });
   for (auto n = at(first); n < at(last); ++n)
     factor_[n] = area_[n] > 0 ? 1 - std::min(1.0, cancelled_area_[n] / area_[n]) : 1;
@@ -326,26 +396,55 @@ SurfaceContact::Total SurfaceContact::total(const double* displacement) {
 double SurfaceContact::add(const double* displacement, double* force) {
   const double energy = total(displacement).energy;
   for_each_touch([&](const Side& side, const ContactPoint& point, const Touch& touch) {
-    const NodeQuad push = (side.stiffness * point.area * touch.gap) * touch.direction;
-    scatter(side, point, touch, [&](Index node, double weight, bool) {
-      for (int i = 0; i < 3; ++i) force[width * node_[at(node)] + i] += weight * push[i];
+    const double pressed = side.stiffness * point.area * touch.gap;
+    scatter(side, point, touch, [&](Index node, double weight, const NodeQuad& direction, bool) {
+      for (int i = 0; i < 3; ++i) force[width * node_[at(node)] + i] += weight * pressed * direction[i];
     });
   });
   return energy;
+}
+
+/// Across a valley D'' = - sum of v v^T / (rho sigma) over the eigenpairs (sigma, v) of P G P, with G_fg = n_f.n_g of
+/// the touched faces and P = I - 1 1^T / m what leaves the sum of the shares 1: how the shares of the minimum in
+/// rounded_distance follow the heights. Its term is k A g / (rho sigma) c c^T with c = sum of v_f dh_f/du.
+void SurfaceContact::add_valley(const Side& side, const ContactPoint& point, const Touch& touch,
+                                std::vector<StiffnessTerm>& terms) const {
+  std::vector<const Foot*> feet{&touch.foot};
+  for (const Foot& foot : touch.further_feet) feet.push_back(&foot);
+  const auto m = static_cast<Eigen::Index>(feet.size());
+  Eigen::Matrix3Xd normal(3, m);
+  for (Eigen::Index f = 0; f < m; ++f) normal.col(f) = vector(feet[at(f)]->push).normalized();
+  const Eigen::Matrix3Xd turned = normal.colwise() - normal.rowwise().mean();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> bend(turned.transpose() * turned);
+  for (Eigen::Index k = 0; k < m; ++k) {
+    const double sigma = bend.eigenvalues()[k];
+    if (!(sigma > flat_bend * bend.eigenvalues()[m - 1])) continue;
+    const Eigen::VectorXd v = bend.eigenvectors().col(k);
+    StiffnessTerm term{{}, side.stiffness * point.area * touch.gap / (side.ball_radius * sigma)};
+    const ContactFace& own = region_[side.points].face[at(point.face)];
+    const Eigen::Vector3d sum = normal * v;
+    for (std::size_t a = 0; a < at(n_nodes_of(own.shape)); ++a)
+      term.weight.push_back({node_[at(own.node[a])], point.shape[a] * sum});
+    for (Eigen::Index f = 0; f < m; ++f) {
+      const Foot& foot = *feet[at(f)];
+      const ContactFace& face = region_[side.faces].face[at(foot.face)];
+      for (std::size_t b = 0; b < at(n_nodes_of(face.shape)); ++b)
+        term.weight.push_back({node_[at(face.node[b])], -foot.shape[b] * v[f] * normal.col(f)});
+    }
+    terms.push_back(std::move(term));
+  }
 }
 
 std::vector<SurfaceContact::StiffnessTerm> SurfaceContact::stiffness(const double* displacement) {
   find_all(displacement);
   std::vector<StiffnessTerm> terms;
   for_each_touch([&](const Side& side, const ContactPoint& point, const Touch& touch) {
-    StiffnessTerm term{};
-    scatter(side, point, touch, [&](Index node, double weight, bool) {
-      term.node[at(term.n_nodes)] = node_[at(node)];
-      term.weight[at(term.n_nodes++)] = weight;
+    StiffnessTerm term{{}, side.stiffness * point.area};
+    scatter(side, point, touch, [&](Index node, double weight, const NodeQuad& direction, bool) {
+      term.weight.push_back({node_[at(node)], weight * vector(direction)});
     });
-    term.direction = {touch.direction[0], touch.direction[1], touch.direction[2]};
-    term.stiffness = side.stiffness * point.area;
-    terms.push_back(term);
+    terms.push_back(std::move(term));
+    if (!touch.further_feet.empty()) add_valley(side, point, touch, terms);
   });
   return terms;
 }

@@ -38,8 +38,9 @@ constexpr double cancelling_range = 0.1;
 /// (faces that hang together) closer to a point than 2 d0 at rest, and those that share a node with its face, are its
 /// neighbours and do not count.
 ///
-/// Where a point crosses an edge between faces that are not flush, energy is continuous and the direction of the force
-/// is not.
+/// Faces that are not flush leave the direction of the force continuous: ridges because the distance to an edge rounds
+/// them, valleys because a ball rolls over them (rounded_distance), of radius d0 or a tenth of the size of the smallest
+/// face, whichever is larger. In a valley f_b is shared between the faces that the ball touches.
 ///
 /// There is no history: everything is a function of the displacements now, whatever came before and whenever the last
 /// search was.
@@ -85,15 +86,16 @@ class SurfaceContact {
   /// does has felt all that it met: no point has come from the front of a sheet to its back.
   bool deepens_too_fast(const double* from, const double* to);
 
-  /// One touching point; Newton's method should search along its line, since the direction of a force jumps where a
-  /// point crosses an edge between two faces. Its part of the stiffness is `stiffness` c c^T, c_a = weight_a direction
-  /// on node a [N/m]. Left out are the change of the direction and the sliding of p, of size k A g / (size of a face),
-  /// which are not positive. What is here is positive semidefinite.
+  /// One touching point; Newton's method should search along its line, since stiffness jumps where a point comes into
+  /// contact, or from face to face. Its part of the stiffness is `stiffness` c c^T [N/m]. Left out are the change of
+  /// the direction and the sliding of p, of size k A g / (size of a face), which are not positive. What is here is
+  /// positive semidefinite.
   struct StiffnessTerm {
-    int n_nodes = 0;
-    std::array<Index, 2 * max_face_nodes> node;     // of the mesh
-    std::array<double, 2 * max_face_nodes> weight;  // N_a on the point's own face, - N_b on the other
-    Eigen::Vector3d direction;
+    struct Weight {
+      Index node;         // of the mesh
+      Eigen::Vector3d c;  // N_a n on the point's own face, - lambda_f N_b n_f on others
+    };
+    std::vector<Weight> weight;
     double stiffness;
   };
   std::vector<StiffnessTerm> stiffness(const double* displacement);
@@ -106,18 +108,25 @@ class SurfaceContact {
   std::size_t memory_bytes() const;
 
  private:
-  struct Touch {
+  /// The closest point p of a face, as far as it shares the force.
+  struct Foot {
     Index face = -1;
-    std::array<double, max_face_nodes> shape{};
-    NodeQuad direction{};  // d(distance)/dx, a unit vector
-    double distance = 0;   // d
-    double gap = 0;        // g: nothing touches where it is 0
+    std::array<double, max_face_nodes> shape{};  // N_b(p)
+    NodeQuad push{};                             // lambda n_f
+  };
+  struct Touch {
+    Foot foot;
+    std::vector<Foot> further_feet;  // in a valley
+    NodeQuad direction{};            // d(distance)/dx: the sum of the pushes
+    double distance = 0;             // d
+    double gap = 0;                  // g: nothing touches where it is 0
   };
   /// Points of one region against faces of another.
   struct Side {
     std::size_t points, faces;  // regions
     double stiffness;           // [Pa/m]
     double distance, largest_depth;
+    double ball_radius;  // that rounds the valleys of the faces [m]
     bool cancels_interface_load;
     ContactSearch search;
     std::vector<double> threshold;  // d0 of each point [m]
@@ -127,11 +136,14 @@ class SurfaceContact {
   void add_side(std::size_t points, std::size_t faces, const ContactPair& pair);
   std::size_t region_of(const SolidMesh& mesh, const std::string& surface, const std::string& where);
   Touch touch_of(const Side& side, const NodeQuad& x, std::span<const Index> faces) const;
+  void round_valley(const Side& side, const NodeQuad& x, std::span<const Index> faces, Touch& touch) const;
   void find_boxes(std::size_t region);
   void find_all(const double* displacement);
   ContactPositions positions_at(const double* displacement) const;
   void search_here();  // at x_
   bool has_blown_up() const;
+  void add_valley(const Side& side, const ContactPoint& point, const Touch& touch,
+                  std::vector<StiffnessTerm>& terms) const;
   template <class Visit>
   void for_each_touch(const Visit& visit) const;
   template <class Visit>

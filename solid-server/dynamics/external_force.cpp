@@ -200,12 +200,9 @@ void ExternalForce::add_stiffness(const NodeVectors& displacement, double time, 
     const Eigen::Matrix3d along_normal = plane.normal() * plane.normal().transpose();
     plane.stiffness(displacement.data(), [&](Index a, Index b, double s) { take(a, b, s * along_normal); });
   }
-  for (const SurfaceContact::StiffnessTerm& term : surface_contact_.stiffness(displacement.data())) {
-    const Eigen::Matrix3d along_direction = term.stiffness * term.direction * term.direction.transpose();
-    for (std::size_t a = 0; a < static_cast<std::size_t>(term.n_nodes); ++a)
-      for (std::size_t b = 0; b < static_cast<std::size_t>(term.n_nodes); ++b)
-        take(term.node[a], term.node[b], term.weight[a] * term.weight[b] * along_direction);
-  }
+  for (const auto& [weights, stiffness] : surface_contact_.stiffness(displacement.data()))
+    for (const auto& [a, c_a] : weights)
+      for (const auto& [b, c_b] : weights) take(a, b, stiffness * c_a * c_b.transpose());
 }
 
 }  // namespace couplet::solid

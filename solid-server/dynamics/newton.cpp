@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t n_pairs_most = 12;
 constexpr int n_halvings_most = 8;
 constexpr int n_searches_most = 6;
-constexpr int n_growing_most = 4;               // corrections that grow, before the iteration is given up
+constexpr int n_growing_most = 4;               // corrections that grow one after another, before it is given up
 constexpr double worst_contraction = 0.9;       // of kept factors
 constexpr int n_iterations_of_new_factors = 2;  // that follow new factors near a solution, besides their own
 constexpr double relative_round_off = 1e-9, round_off_of_length = 1e-13;
@@ -164,7 +164,8 @@ NewtonReport Newton::solve(NonlinearSystem& system, NodeVectors& u, const NodeVe
     }
     const double size = d.norm();
     if (!std::isfinite(size)) return fail(NewtonOutcome::diverged);
-    if (size_before > 0 && size > size_before && ++n_growing > n_growing_most) return fail(NewtonOutcome::diverged);
+    n_growing = size_before > 0 && size > size_before ? n_growing + 1 : 0;
+    if (n_growing > n_growing_most) return fail(NewtonOutcome::diverged);
 
     Step step(system, here, d);
     if (!step.halve_until_valid()) {

@@ -48,7 +48,7 @@ class StaticSolution : public TimeIntegrator, private LoadedSystem {
   bool has_factors() const override { return body_->origin() != nullptr; }
   NodeVectors solve(const NodeVectors& rhs) const override { return body_->solve_unsymmetric(rhs); }
   int n_negative_pivots() const override { return body_->n_negative_pivots(); }
-  bool takes_full_steps() const override { return true; }
+  bool takes_full_steps() const override { return !body_->is_touching(); }
   double factorisation_cost() const override { return body_->factorisation_cost(); }
   double length() const override { return body_->length(); }
   void set_load(double factor, NodeVectors& u) override;
