@@ -271,7 +271,11 @@ void SolidModel::resume(SolidState state) {
     setup.method = state.method;
     *this = SolidModel(std::move(setup));
   }
-  parts_->accepted = std::move(state);
+  Parts& p = *parts_;
+  p.accepted = std::move(state);
+  Motion& motion = p.accepted.motion;
+  if (p.central_difference && !motion.estimate.displacement)
+    motion.estimate = p.central_difference->limit().estimate_at(motion.displacement);
 }
 
 std::size_t SolidModel::memory_bytes() const {

@@ -105,7 +105,9 @@ class SolidModel {
   void accept_step();
   const SolidState& accepted() const;
   void note_why_method(std::string reason);  // a sentence that checkpoints keep
-  void resume(SolidState state);             // sizes must be those of accepted(); the method becomes that of the state
+  /// Sizes must be those of accepted(); the method becomes that of the state. The stable step is estimated there where
+  /// the state has no estimate.
+  void resume(SolidState state);
 
   int n_substeps(double duration) const;     // that a step of this duration [s] takes now, when nothing goes wrong
   SolidEnergy energy() const;                // of the last accepted step

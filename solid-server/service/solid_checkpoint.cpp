@@ -1,13 +1,17 @@
 #include "solid-server/service/solid_checkpoint.hpp"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
 #include "proto/report/failure.hpp"
 #include "proto/store/hdf5_file.hpp"
+#include "proto/wire/crc32c.hpp"
 
 namespace couplet::solid {
 
 namespace {
 
-constexpr const char* layout = "couplet solid 4";
+constexpr const char* layout = "couplet solid 5";
 
 NodeVectors read_nodes(const store::Hdf5File& file, const std::string& name, Eigen::Index n_nodes) {
   const surface::NodeArray values = file.read(name);
@@ -74,10 +78,32 @@ KeptFactors read_factors(const store::Hdf5File& file, Eigen::Index n_nodes) {
 
 }  // namespace
 
-void write_checkpoint(const std::string& path, const SolidState& state) {
+SolidIdentity identity_of(const SolidMesh& mesh, const v1::Solid& solid) {
+  SolidIdentity identity;
+  const auto add = [&](const auto& values) {
+    identity.mesh =
+        wire::crc32c(values.data(), static_cast<std::size_t>(values.size()) * sizeof *values.data(), identity.mesh);
+  };
+  add(mesh.node_position);
+  for (const ElementBlock& block : mesh.block) add(block.node);
+
+  std::string text;
+  {
+    google::protobuf::io::StringOutputStream stream(&text);
+    google::protobuf::io::CodedOutputStream coded(&stream);
+    coded.SetSerializationDeterministic(true);
+    solid.SerializeToCodedStream(&coded);
+  }
+  identity.scene = wire::crc32c(text.data(), text.size());
+  return identity;
+}
+
+void write_checkpoint(const std::string& path, const SolidState& state, const SolidIdentity& identity) {
   const Motion& motion = state.motion;
   auto file = store::Hdf5File::create(path);
   file.write_text("layout", layout);
+  file.write_integer("mesh_checksum", identity.mesh);
+  file.write_integer("scene_checksum", identity.scene);
   file.write_number("time", motion.time);
   file.write("displacement", motion.displacement.leftCols<3>());
   file.write("velocity", motion.velocity.leftCols<3>());
@@ -96,16 +122,22 @@ void write_checkpoint(const std::string& path, const SolidState& state) {
   file.close();
 }
 
-SolidState read_checkpoint(const std::string& path, const SolidState& like) {
+StoredState read_checkpoint(const std::string& path, const SolidState& like, const SolidIdentity& identity) {
   const auto file = store::Hdf5File::open_for_reading(path);
   if (!file.contains("layout") || file.read_text("layout") != layout)
     throw report::FileError(path, "is not a checkpoint of this version of solid-server",
                             "resume with the version that wrote it");
   const Eigen::Index n_nodes = like.motion.displacement.rows();
-  SolidState state;
+  StoredState stored;
+  stored.is_of_this_scene = file.read_integer("scene_checksum") == identity.scene;
+  SolidState& state = stored.state;
   Motion& motion = state.motion;
   motion.time = file.read_number("time");
   motion.displacement = read_nodes(file, "displacement", n_nodes);
+  if (file.read_integer("mesh_checksum") != identity.mesh)
+    throw report::FileError(
+        path, "was written for another mesh: it has as many nodes, but at other places, or other elements between them",
+        "resume with the mesh that the checkpoint was written with");
   motion.velocity = read_nodes(file, "velocity", n_nodes);
   motion.force = read_nodes(file, "force", n_nodes);
   motion.interface_force = read_nodes(file, "interface_force", like.motion.interface_force.rows()).leftCols<3>();
@@ -116,10 +148,11 @@ SolidState read_checkpoint(const std::string& path, const SolidState& like) {
   state.method = static_cast<TimeMethod>(file.read_integer("method"));
   state.why_method = file.read_text("why_method");
   motion.n_halvings = static_cast<int>(file.read_integer("halvings"));
-  if (file.contains("stable_step")) motion.estimate = read_estimate(file, n_nodes);
   if (file.contains("acceleration")) motion.acceleration = read_nodes(file, "acceleration", n_nodes);
+  if (!stored.is_of_this_scene) return stored;
+  if (file.contains("stable_step")) motion.estimate = read_estimate(file, n_nodes);
   if (file.contains("factor_time")) motion.factors = read_factors(file, n_nodes);
-  return state;
+  return stored;
 }
 
 }  // namespace couplet::solid

@@ -10,7 +10,6 @@
 #include "proto/report/failure.hpp"
 #include "solid-server/choose_time_method.hpp"
 #include "solid-server/service/make_setup.hpp"
-#include "solid-server/service/solid_checkpoint.hpp"
 #include "solid-server/service/time_integration_warning.hpp"
 
 namespace couplet::solid {
@@ -69,11 +68,16 @@ participant::Opened SolidParticipant::open(const participant::OpenRequest& reque
     setup.method = choice.method;
   }
   model_ = std::make_unique<SolidModel>(std::move(setup));
+  identity_ = identity_of(model_->mesh(), request.scene.solid());
   model_->note_why_method(choice.reason);
   if (!is_new) {
-    SolidState state = read_checkpoint(request.resume_from, model_->accepted());
-    refuse_another_method(state.method, request.scene.solid().time_integration().method(), model_->accepted().method);
-    model_->resume(std::move(state));
+    StoredState stored = read_checkpoint(request.resume_from, model_->accepted(), identity_);
+    refuse_another_method(stored.state.method, request.scene.solid().time_integration().method(),
+                          model_->accepted().method);
+    if (!stored.is_of_this_scene)
+      std::cerr << "solid-server: warning: the solid of the scene is not the one that the checkpoint was written with; "
+                   "the run goes on from its motion, with the materials, supports and loads of the scene\n";
+    model_->resume(std::move(stored.state));
   }
   if (!model_->accepted().why_method.empty())
     std::cerr << "solid-server: time integration: " << model_->accepted().why_method << '\n';
@@ -197,7 +201,7 @@ void SolidParticipant::add_implicit_numbers(std::vector<participant::NamedNumber
 
 std::uint64_t SolidParticipant::write_checkpoint(const std::string& path) {
   const Stopwatch watch(seconds_);
-  solid::write_checkpoint(path, model_->accepted());
+  solid::write_checkpoint(path, model_->accepted(), identity_);
   return static_cast<std::uint64_t>(std::filesystem::file_size(path));
 }
 

@@ -6,6 +6,7 @@
 #include "solid-server/output/orifice.hpp"
 #include "solid-server/service/offered_surface.hpp"
 #include "solid-server/service/result_output.hpp"
+#include "solid-server/service/solid_checkpoint.hpp"
 #include "solid-server/solid_model.hpp"
 
 namespace couplet::solid {
@@ -41,6 +42,7 @@ class SolidParticipant : public participant::Participant {
   participant::ServerOptions options_;
   std::function<bool(double time)> goes_on_;
   std::unique_ptr<SolidModel> model_;
+  SolidIdentity identity_;  // of the model
   std::unique_ptr<ResultOutput> results_;
   OfferedSurface offered_;
   std::vector<Orifice> orifices_;

@@ -104,9 +104,9 @@ TEST_P(InvarianceOf, AResume) {
   for (int n = 0; n < n_steps; ++n) {
     if (n >= n_steps / 2) {
       EXPECT_EQ(through.energy().contact > 0, GetParam().touches);  // in the middle of it
-      write_checkpoint(path, through.accepted());
+      write_checkpoint(path, through.accepted(), {});
       SolidModel resumed = make_model(GetParam());
-      resumed.resume(read_checkpoint(path, resumed.accepted()));
+      resumed.resume(read_checkpoint(path, resumed.accepted(), {}).state);
       solve(resumed, GetParam().step);
       solve(through, GetParam().step);
       expect_equal(through.trial().motion, resumed.trial().motion);
@@ -121,12 +121,12 @@ TEST_P(InvarianceOf, AResume) {
 
 TEST_P(InvarianceOf, ARefusedCheckpointOfAnotherMesh) {
   const std::string path = testing::TempDir() + "couplet_solid_other_mesh_" + GetParam().name + ".h5";
-  write_checkpoint(path, make_model(GetParam()).accepted());
+  write_checkpoint(path, make_model(GetParam()).accepted(), {});
   Case other = GetParam();
   other.solid.replace(other.solid.find("elements_z: 4"), 13, "elements_z: 5");
   const SolidModel model = make_model(other);
   try {
-    read_checkpoint(path, model.accepted());
+    read_checkpoint(path, model.accepted(), {});
     FAIL();
   } catch (const report::FileError& error) {
     EXPECT_NE(std::string(error.what()).find("nodes, but the body has"), std::string::npos) << error.what();

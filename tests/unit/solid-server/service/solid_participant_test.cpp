@@ -138,6 +138,44 @@ TEST(SolidParticipant, RefusesACheckpointOfAnotherMesh) {
   EXPECT_THROW(solid.open(other), report::FileError);
 }
 
+TEST(SolidParticipant, RefusesACheckpointOfAMeshWithAsManyNodesElsewhere) {
+  const auto path = fresh_folder("solid_same_size") / "fold.h5";
+  Driven driven(request(solid_text));
+  driven.go();
+  driven.solid.write_checkpoint(path.string());
+  auto other = request(solid_text);
+  auto& fold = *other.scene.mutable_solid()->mutable_body(0)->mutable_vocal_fold();
+  fold.set_length(1.01 * fold.length());
+  other.resume_from = path.string();
+  SolidParticipant solid({});
+  try {
+    solid.open(other);
+    ADD_FAILURE() << "accepted";
+  } catch (const report::FileError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("was written for another mesh"));
+  }
+}
+
+TEST(SolidParticipant, EstimatesTheStableStepAnewForAnotherMaterialThanThatOfTheCheckpoint) {
+  const auto path = fresh_folder("solid_other_material") / "fold.h5";
+  Driven driven(request(solid_text));
+  driven.go();
+  driven.solid.write_checkpoint(path.string());
+  auto stiffer = request(solid_text);
+  auto& law = *stiffer.scene.mutable_solid()->mutable_body(0)->mutable_material()->mutable_mooney_rivlin();
+  law.set_a10(100 * law.a10());
+  law.set_a01(100 * law.a01());
+  law.set_bulk_modulus(100 * law.bulk_modulus());
+  Driven anew(stiffer);
+  stiffer.resume_from = path.string();
+  Driven resumed(stiffer);
+  anew.go();
+  resumed.go();
+  const std::size_t substeps = 4;  // solid.substeps
+  EXPECT_GT(resumed.numbers[substeps].value, driven.numbers[substeps].value);
+  EXPECT_EQ(resumed.numbers[substeps].value, anew.numbers[substeps].value);  // nothing has moved far
+}
+
 TEST(SolidParticipant, RefusesToGoOnByAnotherMethod) {
   const auto path = fresh_folder("solid_other_method") / "fold.h5";
   Driven driven(request(solid_text));
