@@ -93,6 +93,7 @@ class Run {
     if (checkpoint_) {
       const SavedState state = read_coupler_state(*checkpoint_);
       loop_->restore(state);
+      store::refuse_end_before_checkpoint(*checkpoint_, loop_->time(), scene_.time().end());
       record_.restore(state);
       const store::RunFolder earlier{checkpoint_->path.parent_path().parent_path()};
       history_->continue_from(earlier.history(), loop_->time());

@@ -165,6 +165,7 @@ void AloneRun::open() {
     const auto checkpoint = store::find_checkpoint(options_.resume_from);
     const auto record = store::Hdf5File::open_for_reading(checkpoint.participant_file(record_file));
     clock_ = {record.read_integer("step"), record.read_number("time")};
+    store::refuse_end_before_checkpoint(checkpoint, clock_.time, scene_.time().end());
     request.resume_from = std::filesystem::absolute(checkpoint.participant_file(participant_file)).string();
     earlier_history = store::RunFolder{checkpoint.path.parent_path().parent_path()}.history();
   }

@@ -92,6 +92,18 @@ void loaded_names_exist(const v1::Solid& solid, Review& review) {
           entry("solid.prescribed_motion", i) + ".nodes");
 }
 
+/// Two entries for the same two surfaces would push twice.
+void contacts_differ(const v1::Solid& solid, Review& review) {
+  const auto surfaces = [](const v1::Contact& contact) {
+    return std::minmax(contact.first(), contact.has_second() ? contact.second() : contact.first());
+  };
+  for (int i = 1; i < solid.contact_size(); ++i)
+    for (int j = 0; j < i; ++j)
+      if (surfaces(solid.contact(i)) == surfaces(solid.contact(j)))
+        review.complain(entry("solid.contact", i), "names the surfaces of solid.contact[" + std::to_string(j) +
+                                                       "] again; give one contact, with the stiffness that is wanted");
+}
+
 void regions_exist(const v1::Body& body, const std::string& path, Review& review) {
   if (!body.has_material() && body.region_size() == 0)
     review.complain_missing(path + ".material", "is missing; give what the body is made of");
@@ -218,6 +230,7 @@ void check_solid_rules(const v1::Scene& scene, Review& review) {
     section_exists(body.vocal_fold(), path + ".vocal_fold", review);
   }
   loaded_names_exist(solid, review);
+  contacts_differ(solid, review);
   body_names_differ(solid, review);
 }
 

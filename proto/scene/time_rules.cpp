@@ -20,6 +20,16 @@ void step_fits_into_the_run(const v1::Time& time, Review& review) {
                                    " s; give a shorter step or a later end");
 }
 
+/// A year of steps of 30 ms: what takes more is a slip of the pen.
+constexpr double most_steps = 1e9;
+
+void run_has_an_end(const v1::Time& time, Review& review) {
+  if (!(time.step() > 0) || !(time.end() > most_steps * time.step())) return;
+  review.complain("time.step", number_text(time.step()) + " s makes more than " + number_text(most_steps) +
+                                   " steps to the end at " + number_text(time.end()) +
+                                   " s; give a longer step or an earlier end");
+}
+
 void rows_rise(const v1::TimeTable& table, const std::string& path, Review& review) {
   for (int i = 1; i < table.row_size(); ++i) {
     const v1::TimeTable::Row &before = table.row(i - 1), &row = table.row(i);
@@ -57,6 +67,7 @@ void check_time_tables(const Message& message, const std::string& path, Review& 
 void check_time_rules(const v1::Scene& scene, Review& review) {
   something_is_computed(scene, review);
   step_fits_into_the_run(scene.time(), review);
+  run_has_an_end(scene.time(), review);
   check_time_tables(scene, "", review);
 }
 

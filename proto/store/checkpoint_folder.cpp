@@ -96,4 +96,13 @@ CheckpointFolder find_checkpoint(const std::filesystem::path& from) {
   return found.back();
 }
 
+void refuse_end_before_checkpoint(const CheckpointFolder& checkpoint, double time, double end) {
+  constexpr double round_off = 1e-9;  // of summed steps
+  if (time <= end * (1 + round_off)) return;
+  throw report::SceneError("time.end",
+                           report::text(end) + " s lies before the checkpoint " + checkpoint.path.string() +
+                               ", which is of t = " + report::text(time) + " s",
+                           "give a later end, or resume from an earlier checkpoint");
+}
+
 }  // namespace couplet::store

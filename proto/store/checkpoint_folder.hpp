@@ -32,4 +32,8 @@ std::vector<CheckpointFolder> complete_checkpoints(const std::filesystem::path& 
 /// the folder of one step. Throws FileError when there is none.
 CheckpointFolder find_checkpoint(const std::filesystem::path& from);
 
+/// A checkpoint at the very end of a run may be resumed, and nothing is left to do; one that lies behind it is a
+/// mistake. Throws SceneError for time.end. Times in s.
+void refuse_end_before_checkpoint(const CheckpointFolder& checkpoint, double time, double end);
+
 }  // namespace couplet::store

@@ -132,7 +132,8 @@ TEST(Setting, IsNamedWhenItsValueBreaksARule) {
   EXPECT_THAT(
       complaints_about(good_scene, {"solid.body[0].material.poisson_ratio=0.5"}),
       ElementsAre("--set solid.body[0].material.poisson_ratio=0.5: solid.body[0].material.saint_venant_kirchhoff."
-                  "poisson_ratio: 0.5 is not below 0.5; for nearly incompressible tissue use mooney_rivlin"));
+                  "poisson_ratio: 0.5 is not below 0.5; give a value between -1 and 0.5; for nearly incompressible "
+                  "tissue use mooney_rivlin"));
   EXPECT_THAT(
       complaints_about(good_scene, {"solid.body[0].wetted[1]=medail"}),
       ElementsAre("--set solid.body[0].wetted[1]=medail: the mesh has no surface \"medail\"; did you mean medial?"));

@@ -170,7 +170,7 @@ TEST(SceneCheck, GivesTheRemedyThatTheSchemaNames) {
       complaints_about(with("poisson_ratio: 0.475", "poisson_ratio: 0.5")),
       ElementsAre(
           "scene.txtpb:24:53: solid.body[0].material.saint_venant_kirchhoff.poisson_ratio: 0.5 is not below 0.5; "
-          "for nearly incompressible tissue use mooney_rivlin"));
+          "give a value between -1 and 0.5; for nearly incompressible tissue use mooney_rivlin"));
 }
 
 TEST(SceneCheck, RefusesNumbersThatAreNotFiniteEvenWithoutLimits) {

@@ -44,6 +44,14 @@ TEST(TimeRules, RefuseAStepLongerThanTheRun) {
           "scene.txtpb:2:18: time.step: 0.6 s is longer than the run of 0.5 s; give a shorter step or a later end"));
 }
 
+TEST(TimeRules, RefuseARunWithoutEnd) {
+  EXPECT_THAT(
+      complaints_about(with("step: 1e-5", "step: 1e-300")),
+      ElementsAre("scene.txtpb:2:18: time.step: 1e-300 s makes more than 1e+09 steps to the end at 0.5 s; give a "
+                  "longer step or an earlier end"));
+  EXPECT_THAT(complaints_about(with("step: 1e-5", "step: 1e-9")), IsEmpty());
+}
+
 TEST(TimeRules, TakeAStepThatDoesNotDivideTheRun) {
   EXPECT_THAT(complaints_about(with("step: 1e-5", "step: 0.3")), IsEmpty());
 }

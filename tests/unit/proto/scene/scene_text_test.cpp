@@ -352,8 +352,8 @@ TEST(SceneText, ReportsEverythingAtOnceInTheOrderOfTheLines) {
           "the folds",
           "scene.txtpb:7:5: flow.glottis.model: M4 is not a choice here; choose B1, B2, M1, M2",
           "scene.txtpb:10:24: flow.glottis.subglottal_pressure.row[1].value: inf is not a finite number; give a number",
-          "scene.txtpb:23:53: solid.body[0].material.saint_venant_kirchhoff.poisson_ratio: 0.5 is not below 0.5; for "
-          "nearly incompressible tissue use mooney_rivlin",
+          "scene.txtpb:23:53: solid.body[0].material.saint_venant_kirchhoff.poisson_ratio: 0.5 is not below 0.5; "
+          "give a value between -1 and 0.5; for nearly incompressible tissue use mooney_rivlin",
           "scene.txtpb:26:26: solid.body[0].wetted[1]: the mesh has no surface \"medail\"; did you mean medial?",
           "scene.txtpb:28:33: solid.kick[0].velocity.y: the formula \"0.6*(y/0.010\" cannot be read at character 13: a "
           "closing parenthesis is missing; write it with x, y, z, t, pi, + - * / ^ and functions such as sin, exp, "

@@ -34,6 +34,14 @@ TEST(SolidRules, NameSurfacesOfSeveralBodiesByTheirBody) {
                   "mean upper/y_min?"));
 }
 
+TEST(SolidRules, RefuseContactOfTheSameSurfacesTwice) {
+  const std::string bodies = box_body("lower") + "\n" + box_body("upper") + "\n";
+  EXPECT_THAT(complaints_about(solid_scene(bodies + "contact { first: \"lower/y_max\" second: \"upper/y_min\" }\n"
+                                                    "contact { first: \"upper/y_min\" second: \"lower/y_max\" }")),
+              ElementsAre("scene.txtpb:7:1: solid.contact[1]: names the surfaces of solid.contact[0] again; give one "
+                          "contact, with the stiffness that is wanted"));
+}
+
 TEST(SolidRules, WantAMaterialForEveryBody) {
   EXPECT_THAT(complaints_about(solid_scene(box_body("a", ""))),
               ElementsAre("scene.txtpb:4:1: solid.body[0].material: is missing; give what the body is made of"));

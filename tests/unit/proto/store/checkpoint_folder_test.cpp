@@ -69,6 +69,19 @@ TEST(CheckpointFolder, DropsLaterOnesOnceAResumedRunWritesItsOwn) {
   EXPECT_THAT(complete_steps(run / "checkpoint"), testing::ElementsAre(5, 7));
 }
 
+TEST(CheckpointFolder, RefusesARunThatEndsBeforeIt) {
+  const CheckpointFolder checkpoint{"run/checkpoint/step-0000000005", 5};
+  EXPECT_NO_THROW(refuse_end_before_checkpoint(checkpoint, 0.5 + 1e-12, 0.5));  // round-off of summed steps
+  try {
+    refuse_end_before_checkpoint(checkpoint, 0.5, 0.4);
+    FAIL() << "accepted";
+  } catch (const report::SceneError& error) {
+    EXPECT_STREQ(error.what(),
+                 "time.end: 0.4 s lies before the checkpoint run/checkpoint/step-0000000005, which is of t = 0.5 s; "
+                 "give a later end, or resume from an earlier checkpoint");
+  }
+}
+
 TEST(CheckpointFolder, LeavesOtherFilesAlone) {
   const TemporaryFolder run;
   std::filesystem::create_directories(run / "checkpoint" / "step-by-step");
