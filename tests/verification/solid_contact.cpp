@@ -125,7 +125,8 @@ SolidSetup blocks_to_push(int n_below, int n_above, TimeMethod method) {
   SolidMesh above = make_box_mesh({{0.01, 0.01, 0.01}, {n_above, n_above, 2}});
   above.node_position.col(2).array() += 0.0102;
   setup.mesh = join_bodies({below, above}, {"below", "above"});
-  setup.properties.assign(2, {NeoHookean{4e4, 2e5}, 1000});
+  constexpr int n_points = 14;  // with 8, one element across has motions without stiffness
+  setup.properties.assign(2, {NeoHookean{4e4, 2e5}, 1000, n_points});
   setup.supports.fixed = {"below/z_min"};
   for (const int axis : {0, 1, 2})
     setup.supports.prescribed.push_back(
@@ -152,7 +153,7 @@ TEST(ContactOfOtherMeshes, FindsEquilibriumInFewIterations) {
       std::printf("blocks, %d x %d on %d x %d elements, %s: %.1f iterations a step, force %.4f N\n", n_above, n_above,
                   n_below, n_below, name_of(method), n_iterations / n_steps, model.energy().contact_force);
       EXPECT_GT(model.energy().contact_force, 0.1);
-      EXPECT_LT(n_iterations / n_steps, 10);  // 3 to 6: kept factors take the part of some iterations
+      EXPECT_LT(n_iterations / n_steps, 10);  // 2.5 to 6.4: measured
     }
 }
 
