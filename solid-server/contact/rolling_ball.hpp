@@ -14,6 +14,8 @@ struct BallTouch {
   std::size_t face = 0;  // of those handed over
   FaceCoordinates at = {0, 0};
   NodeQuad direction{};  // from the face to the middle of the ball, a unit vector n_f
+  double distance = 0;   // from the face to the middle of the ball [m]
+  double height = 0;     // of x over the plane through `at` across the direction, h_f [m]
   double share = 0;      // lambda_f
 };
 
@@ -21,6 +23,7 @@ struct RoundedDistance {
   double distance = 0;           // D [m]
   NodeQuad direction{};          // dD/dx = sum of lambda_f n_f; in a valley shorter than 1
   std::vector<BallTouch> touch;  // one, or in a valley several
+  double to_faces = 0;           // from the middle of the ball to the closest face [m]
 };
 
 /// The distance d(x) from faces that meet at an angle has a kink above a valley between them, where two of them are
@@ -41,9 +44,9 @@ struct RoundedDistance {
 /// too, the planes are those that are seen from as far in front: nothing changes for flat faces.
 ///
 /// `distance` is d(x), negative behind the faces, and `direction` its gradient. The first face is the closest one of x;
-/// the others are those that hang together with it.
+/// the others are those that hang together with it. What comes back is kept in the storage of `touch`.
 RoundedDistance rounded_distance(std::span<const CurvedFace> faces, const NodeQuad& x, double distance,
-                                 const NodeQuad& direction, double radius);
+                                 const NodeQuad& direction, double radius, std::vector<BallTouch> touch = {});
 
 /// How far in front of x the faces are looked at: y - x, or more for a point that is deep behind them [m].
 inline double view_distance(double distance, double radius) {

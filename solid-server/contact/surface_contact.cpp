@@ -7,7 +7,6 @@
 
 #include "proto/report/failure.hpp"
 #include "solid-server/contact/closest_point.hpp"
-#include "solid-server/contact/rolling_ball.hpp"
 #include "solid-server/dynamics/work_team.hpp"
 #include "solid-server/element/element_packs.hpp"
 #include "solid-server/element/shape_functions.hpp"
@@ -156,19 +155,22 @@ void SurfaceContact::add_side(std::size_t points, std::size_t faces, const Conta
   side.threshold.assign(own.point.size(), pair.distance);
   side.search.update(own, other, rest_);
   const auto& active = side.search.active_point();
+  Valley valley;
+  Touch at_rest;
   for (std::size_t n = 0; n < active.size(); ++n) {
-    const Touch at_rest = touch_of(side, own.position(own.point[at(active[n])], rest_), side.search.faces_near(n));
+    find_touch(side, own.position(own.point[at(active[n])], rest_), side.search.faces_near(n), valley, at_rest);
     if (at_rest.foot.face >= 0) side.threshold[at(active[n])] = std::min(pair.distance, at_rest.distance);
   }
   sides_.push_back(std::move(side));
 }
 
 /// The closest of some faces; its gap is left open. face = -1: none within reach.
-SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad& x,
-                                               std::span<const Index> faces) const {
+void SurfaceContact::find_touch(const Side& side, const NodeQuad& x, std::span<const Index> faces, Valley& valley,
+                                Touch& touch) const {
   const ContactRegion& region = region_[side.faces];
   const double reach = side.search.reach().reach, tolerance = same_distance * reach;
-  Touch touch;
+  touch.foot.face = -1;
+  touch.further_feet.clear();
   double closest = reach, alignment = 0;
   FaceCoordinates where{0, 0};
   const auto try_face = [&](Index f) {
@@ -206,21 +208,20 @@ SurfaceContact::Touch SurfaceContact::touch_of(const Side& side, const NodeQuad&
       nearest = f;
       to_nearest = to_this;
     }
-  if (nearest < 0) return touch;
+  if (nearest < 0) return;
   try_face(nearest);
   for (const Index f : faces) {
     const double furthest = closest + tolerance;
     if (f != nearest && squared_distance(x, box[at(f)]) <= furthest * furthest) try_face(f);
   }
-  if (touch.foot.face < 0) return touch;
+  if (touch.foot.face < 0) return;
   touch.foot.push = touch.direction;
   put_shape(region.face[at(touch.foot.face)], where, touch.foot.shape);
   if (touch.distance < side.distance + side.ball_radius && touch.distance > -side.largest_depth)
-    round_valley(side, x, faces, touch);
-  return touch;
+    round_valley(side, x, faces, valley, touch);
 }
 
-void SurfaceContact::round_valley(const Side& side, const NodeQuad& x, std::span<const Index> faces,
+void SurfaceContact::round_valley(const Side& side, const NodeQuad& x, std::span<const Index> faces, Valley& valley,
                                   Touch& touch) const {
   const ContactRegion& region = region_[side.faces];
   const ContactFace& closest = region.face[at(touch.foot.face)];
@@ -231,22 +232,26 @@ void SurfaceContact::round_valley(const Side& side, const NodeQuad& x, std::span
     return std::ranges::any_of(
         nodes(face), [&](Index node) { return std::ranges::find(nodes(closest), node) != nodes(closest).end(); });
   };
-  // Most often no box of another face reaches into the ball.
-  const double view = view_distance(touch.distance, side.ball_radius);
-  const NodeQuad middle = x + view * touch.direction;
-  const double to_closest = (touch.distance + view) * (1 - same_distance);
-  const auto may_touch = [&](Index f) {
-    return f != touch.foot.face && squared_distance(middle, box_[side.faces][at(f)]) < to_closest * to_closest &&
-           hangs_together(region.face[at(f)]);
+  // Most often no box of another face reaches into the ball, and hardly ever those of more than one or two.
+  const std::vector<Box>& box = box_[side.faces];
+  auto& [number, curved, rounded] = valley;
+  number.assign(1, touch.foot.face);
+  curved.assign(1, closest.curved(x_));
+  const auto find_within = [&](const NodeQuad& middle, double radius) {
+    const std::size_t n_before = number.size();
+    for (const Index f : faces)
+      if (squared_distance(middle, box[at(f)]) < radius * radius && std::ranges::find(number, f) == number.end() &&
+          hangs_together(region.face[at(f)])) {
+        number.push_back(f);
+        curved.push_back(region.face[at(f)].curved(x_));
+      }
+    return number.size() > n_before;
   };
-  if (std::ranges::none_of(faces, may_touch)) return;
-
-  std::vector<Index> number{touch.foot.face};
-  for (const Index f : faces)
-    if (f != touch.foot.face && hangs_together(region.face[at(f)])) number.push_back(f);
-  std::vector<CurvedFace> curved;
-  for (const Index f : number) curved.push_back(region.face[at(f)].curved(x_));
-  const RoundedDistance rounded = rounded_distance(curved, x, touch.distance, touch.direction, side.ball_radius);
+  const double view = view_distance(touch.distance, side.ball_radius), near = 1 - same_distance;
+  if (!find_within(x + view * touch.direction, near * (touch.distance + view))) return;
+  do {
+    rounded = rounded_distance(curved, x, touch.distance, touch.direction, side.ball_radius, std::move(rounded.touch));
+  } while (find_within(x + view * rounded.direction, near * rounded.to_faces));
   touch.distance = rounded.distance;
   touch.direction = rounded.direction;
   for (const BallTouch& part : rounded.touch) {
@@ -306,13 +311,14 @@ void SurfaceContact::search_here() {
 }
 
 void SurfaceContact::find_gaps(int member, int n_members) {
+  Valley valley;
   for (Side& side : sides_) {
     const ContactRegion& own = region_[side.points];
     const auto [first, last] = share_of(static_cast<int>(side.touch.size()), member, n_members);
     for (auto n = at(first); n < at(last); ++n) {
       const Index p = side.search.active_point()[n];
       Touch& touch = side.touch[n];
-      touch = touch_of(side, own.position(own.point[at(p)], x_), side.search.faces_near(n));
+      find_touch(side, own.position(own.point[at(p)], x_), side.search.faces_near(n), valley, touch);
       const bool is_near = touch.foot.face >= 0 && touch.distance >= -side.largest_depth;
       touch.gap = is_near ? std::max(0.0, side.threshold[at(p)] - touch.distance) : 0;
     }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "solid-server/contact/contact_search.hpp"
+#include "solid-server/contact/rolling_ball.hpp"
 
 namespace couplet::solid {
 
@@ -135,8 +136,16 @@ class SurfaceContact {
 
   void add_side(std::size_t points, std::size_t faces, const ContactPair& pair);
   std::size_t region_of(const SolidMesh& mesh, const std::string& surface, const std::string& where);
-  Touch touch_of(const Side& side, const NodeQuad& x, std::span<const Index> faces) const;
-  void round_valley(const Side& side, const NodeQuad& x, std::span<const Index> faces, Touch& touch) const;
+  /// The faces around a point in a valley, and the ball between them; kept from point to point for its storage alone.
+  struct Valley {
+    std::vector<Index> number;
+    std::vector<CurvedFace> face;
+    RoundedDistance rounded;
+  };
+  void find_touch(const Side& side, const NodeQuad& x, std::span<const Index> faces, Valley& valley,
+                  Touch& touch) const;
+  void round_valley(const Side& side, const NodeQuad& x, std::span<const Index> faces, Valley& valley,
+                    Touch& touch) const;
   void find_boxes(std::size_t region);
   void find_all(const double* displacement);
   ContactPositions positions_at(const double* displacement) const;
