@@ -20,31 +20,31 @@ bool is_vector_field(const NodeArray& field, const NodeArray& force) {
   return field.rows() == force.rows() && field.cols() == 3;
 }
 
-Eigen::Map<const Vector3d> node_value(const NodeArray& field, Eigen::Index node) {
+Eigen::Map<const Vector3d> vector_at(const NodeArray& field, Eigen::Index node) {
   return Eigen::Map<const Vector3d>(field.data() + 3 * node);
 }
 
 Vector3d centre_of(const InterfaceSide& side) {
   Vector3d sum = Vector3d::Zero();
   for (Eigen::Index node = 0; node < side.force.rows(); ++node)
-    sum += node_value(side.reference, node) + node_value(side.displacement, node);
+    sum += vector_at(side.reference, node) + vector_at(side.displacement, node);
   return sum / static_cast<double>(side.force.rows());
 }
 
 Sums sums_of(const InterfaceSide& side, bool has_position, bool has_motion, const Vector3d& centre) {
   Sums sums;
   for (Eigen::Index node = 0; node < side.force.rows(); ++node) {
-    const Vector3d force = node_value(side.force, node);
+    const Vector3d force = vector_at(side.force, node);
     const double square = force.squaredNorm();
     sums.force += force;
     sums.force_size += std::sqrt(square);
     if (has_position) {
-      const Vector3d arm = node_value(side.reference, node) + node_value(side.displacement, node) - centre;
+      const Vector3d arm = vector_at(side.reference, node) + vector_at(side.displacement, node) - centre;
       sums.moment += arm.cross(force);
       sums.moment_size += std::sqrt(arm.squaredNorm() * square);
     }
     if (has_motion) {
-      const Vector3d motion = node_value(side.motion, node);
+      const Vector3d motion = vector_at(side.motion, node);
       sums.work += motion.dot(force);
       sums.work_size += std::sqrt(motion.squaredNorm() * square);
     }

@@ -9,7 +9,7 @@ namespace couplet::coupling {
 
 namespace {
 
-std::string short_number(double value) {
+std::string place_number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.6g", value);
   return text;
@@ -75,8 +75,8 @@ void TimeLoop::retry_with_half(const StepOutcome& outcome) {
 }
 
 std::string TimeLoop::where() const {
-  return "step " + std::to_string(step_ + 1) + " from t = " + short_number(step_size_.time()) +
-         " s by dt = " + short_number(step_size_.duration()) + " s";
+  return "step " + std::to_string(step_ + 1) + " from t = " + place_number(step_size_.time()) +
+         " s by dt = " + place_number(step_size_.duration()) + " s";
 }
 
 void TimeLoop::save(SavedState& state) const {

@@ -7,7 +7,7 @@ namespace couplet::flow {
 namespace {
 
 /// Ghosts and hybrid velocities lie nearer to their wall than so many diagonals of their cell.
-constexpr double reach = 2;
+constexpr double reach_of_reaction = 2;
 
 class ReactionOnWalls {
  public:
@@ -86,7 +86,7 @@ class ReactionOnWalls {
       at[static_cast<std::size_t>(e)] = places[face[e]];
       square += std::pow(block_.axis[e].width[face[e]], 2);
     }
-    const ClosestPoint wall = bodies_.trees()[s].closest(at, reach * std::sqrt(square), hint_[s]);
+    const ClosestPoint wall = bodies_.trees()[s].closest(at, reach_of_reaction * std::sqrt(square), hint_[s]);
     if (!wall.is_found()) return;
     hint_[s] = wall.hint;
     const auto& corners = bodies_.surfaces()[s].triangle[static_cast<std::size_t>(wall.triangle)];

@@ -8,7 +8,7 @@ namespace couplet::flow {
 
 namespace {
 
-Eigen::Vector3d vector(const Point& point) {
+Eigen::Vector3d vector_of(const Point& point) {
   return {point[0], point[1], point[2]};
 }
 
@@ -28,8 +28,8 @@ void NearestWall::update(std::span<const BodySurface> surfaces, std::span<const 
     constexpr double infinite = std::numeric_limits<double>::infinity();
     Bounds bounds{Eigen::Array3d::Constant(infinite), Eigen::Array3d::Constant(-infinite)};
     for (const Point& point : surface.position) {
-      bounds.low = bounds.low.min(vector(point).array());
-      bounds.high = bounds.high.max(vector(point).array());
+      bounds.low = bounds.low.min(vector_of(point).array());
+      bounds.high = bounds.high.max(vector_of(point).array());
     }
     bounds_.push_back(bounds);
     is_at_rest_.push_back(std::all_of(surface.velocity.begin(), surface.velocity.end(),
@@ -93,12 +93,12 @@ double NearestWall::gap(const ClosestPoint& at, const Eigen::Vector3d& away, dou
   // Sine of half the angle under which the middle of the ball sees both points: a neighbouring triangle of the wall
   // itself, bent towards the ball, is touched beside its point, a wall on the other side across it.
   constexpr double beside = 0.5, across = 0.8;
-  const Eigen::Vector3d wall = vector(at.position);
+  const Eigen::Vector3d wall = vector_of(at.position);
   double radius = 0.5 * most;
   for (int round = 0; round < most_rounds; ++round) {
     const ClosestPoint other = of_all(wall + radius * away, settled * radius);
     if (!other.is_found()) break;
-    const Eigen::Vector3d chord = vector(other.position) - wall;
+    const Eigen::Vector3d chord = vector_of(other.position) - wall;
     const double along = chord.dot(away);
     if (along <= 0) break;
     // The ball through the wall's point and the other one, with its middle on the normal.
@@ -112,7 +112,7 @@ double NearestWall::gap(const ClosestPoint& at, const Eigen::Vector3d& away, dou
 }
 
 bool NearestWall::is_empty(const ClosestPoint& wall, const Eigen::Vector3d& to_middle, double radius) {
-  return !of_all(vector(wall.position) + to_middle, radius).is_found();
+  return !of_all(vector_of(wall.position) + to_middle, radius).is_found();
 }
 
 bool NearestWall::are_at_rest(const NearbyWalls& nearby) const {
@@ -124,7 +124,7 @@ bool NearestWall::are_at_rest(const NearbyWalls& nearby) const {
 Eigen::Vector3d NearestWall::normal(const ClosestPoint& at) const {
   const BodySurface& wall = surface(at.surface);
   const auto corner = [&](std::size_t v) {
-    return vector(wall.position[static_cast<std::size_t>(corners(wall, at)[v])]);
+    return vector_of(wall.position[static_cast<std::size_t>(corners(wall, at)[v])]);
   };
   const Eigen::Vector3d a = corner(0);
   return (corner(1) - a).cross(corner(2) - a).normalized();

@@ -6,10 +6,6 @@
 namespace couplet::flow {
 namespace {
 
-Eigen::Vector3d vector_of(const Point& p) {
-  return {p[0], p[1], p[2]};
-}
-
 RigidPose pose_of(const Translation& translation, double time) {
   RigidPose pose;
   for (int d = 0; d < 3; ++d) {
@@ -22,7 +18,7 @@ RigidPose pose_of(const Translation& translation, double time) {
 
 /// x = c + R (X - c), R' = angle' n x R.
 RigidPose pose_of(const Rotation& rotation, double time) {
-  const Eigen::Vector3d axis = vector_of(rotation.axis).normalized(), centre = vector_of(rotation.through);
+  const Eigen::Vector3d axis = Eigen::Vector3d(rotation.axis.data()).normalized(), centre(rotation.through.data());
   Eigen::Matrix3d spin;  // n x
   spin << 0, -axis.z(), axis.y(), axis.z(), 0, -axis.x(), -axis.y(), axis.x(), 0;
   RigidPose pose;
@@ -69,7 +65,7 @@ void PrescribedMotion::move(std::span<const Point> at_rest, double time, BodySur
   surface.position.resize(at_rest.size());
   surface.velocity.resize(at_rest.size());
   for (std::size_t i = 0; i < at_rest.size(); ++i) {
-    const Eigen::Vector3d rest = vector_of(at_rest[i]);
+    const Eigen::Vector3d rest(at_rest[i].data());
     Eigen::Vector3d::Map(surface.position[i].data()) = now.rotation * rest + now.shift;
     Eigen::Vector3d::Map(surface.velocity[i].data()) = now.rotation_rate * rest + now.shift_rate;
   }

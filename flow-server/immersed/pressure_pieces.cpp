@@ -7,7 +7,7 @@ namespace couplet::flow {
 namespace {
 
 /// Smaller pieces of faces count for nothing: they are round-off of the crossings.
-constexpr double smallest_share = 1e-13;
+constexpr double smallest_open_share = 1e-13;
 /// Keeps the conductance of a wide open edge finite.
 constexpr double least_closed = 0.02;
 
@@ -71,7 +71,8 @@ void PressurePieces::add_face(const CutFace& face) {
   double share = 0;
   for (int p = face.first_piece; p < face.first_piece + face.n_pieces && is_open; ++p) {
     const FacePiece& piece = cut_.pieces()[static_cast<std::size_t>(p)];
-    if (piece.share < smallest_share || !is_fluid(piece.lower_part, face.face) || !is_fluid(piece.upper_part, next))
+    if (piece.share < smallest_open_share || !is_fluid(piece.lower_part, face.face) ||
+        !is_fluid(piece.upper_part, next))
       continue;
     const PressureUnknown lower = unknown_of(piece.lower_part, face.face), upper = unknown_of(piece.upper_part, next);
     if (lower.piece < 0 && upper.piece < 0) {

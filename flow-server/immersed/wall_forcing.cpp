@@ -7,7 +7,7 @@ namespace couplet::flow {
 namespace {
 
 /// Faces around an image may be forced themselves: so many rounds take them from each other.
-constexpr int n_rounds = 2;
+constexpr int n_forcing_rounds = 2;
 
 }  // namespace
 
@@ -90,7 +90,7 @@ void WallForcing::force(const BodyGeometry& before, BodyGeometry& now, const Fie
     const auto& [i, j, k] = forced[f].value.face;
     left_[f] = {velocity[forced[f].value.component](i, j, k), slope_[forced[f].value.component](i, j, k)};
   }
-  for (int round = 0; round < n_rounds; ++round) {
+  for (int round = 0; round < n_forcing_rounds; ++round) {
     fill_ghosts(velocity, &slope_);
     take_slopes_of_images(now, pressure);  // in ghosts too, which the exchange has overwritten
     for (std::size_t f = 0; f < forced.size(); ++f) {

@@ -12,7 +12,7 @@ namespace {
 /// Weights that sum to this are all of them.
 constexpr double nearly_all = 0.95;
 /// Where less of an image is seen no parabola is drawn through it.
-constexpr double least_seen = 0.75;
+constexpr double least_share_seen = 0.75;
 
 }  // namespace
 
@@ -52,10 +52,10 @@ void WallLayer::set_images(WallValue& value, const Eigen::Vector3d& wall, const 
   value.image[0] = image_at(value.component, wall + near * away, from);
   value.image[0].ratio = distance / near;
   value.image[1] = {};
-  if (value.image[0].seen() <= least_seen || room_for_far <= 0) return;
+  if (value.image[0].seen() <= least_share_seen || room_for_far <= 0) return;
   constexpr double b = far_over_near;
   WallImage far = image_at(value.component, wall + b * near * away, from);
-  const double trust = (std::min(far.seen(), value.image[0].seen()) - least_seen) / (1 - least_seen);
+  const double trust = (std::min(far.seen(), value.image[0].seen()) - least_share_seen) / (1 - least_share_seen);
   if (trust <= 0) return;
   // Lagrange's parabola through 0, 1 and b.
   const double s = distance / near, parabola = s * (b - s) / (b - 1);

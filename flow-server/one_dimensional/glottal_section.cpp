@@ -13,7 +13,7 @@ namespace {
 constexpr double nowhere = -std::numeric_limits<double>::infinity();
 // Pieces reach this much farther at both ends, so that round-off opens no crack between two faces [share of the
 // channel].
-constexpr double overlap = 1e-10;
+constexpr double section_overlap = 1e-10;
 }  // namespace
 
 GlottalSection::GlottalSection(const FoldSurface& surface, const StationAxis& axis, const GapRule& rule, double exit)
@@ -109,10 +109,10 @@ void GlottalSection::draw_face(const Points& xi, const Points& y, int lane, Eige
   const int n_stations = axis_->n_stations();
   for (std::size_t q = 0; q < n_pieces; ++q) {
     const double from = xi[q][lane], to = xi[q + 1][lane];
-    const double low = std::min(from, to) - overlap, high = std::max(from, to) + overlap;
+    const double low = std::min(from, to) - section_overlap, high = std::max(from, to) + section_overlap;
     if (low > 1 || high < 0) continue;
     const double y_from = y[q][lane], y_to = y[q + 1][lane];
-    const bool is_upright = high - low < 4 * overlap;
+    const bool is_upright = high - low < 4 * section_overlap;
     const double slope = is_upright ? 0 : (y_to - y_from) / (to - from);
     const double start = is_upright ? std::max(y_from, y_to) : y_from;
     for (int k = axis_->first_at_or_after(low); k < n_stations && fraction[k] <= high; ++k) {

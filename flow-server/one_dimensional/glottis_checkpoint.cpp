@@ -10,7 +10,7 @@ namespace couplet::flow {
 
 namespace {
 
-constexpr auto kind = "glottal flow 1";
+constexpr auto layout = "glottal flow 1";
 
 /// The arrays of a solution, one column each.
 template <typename Solution>
@@ -53,7 +53,7 @@ GlottalSolution read_solution(const store::Hdf5File& file, const std::string& na
 
 void write_glottis_checkpoint(const std::filesystem::path& path, const GlottisCheckpoint& state) {
   store::Hdf5File file = store::Hdf5File::create(path);
-  file.write_text("kind", kind);
+  file.write_text("kind", layout);
   file.write_number("time", state.time);
   file.write_number("clipped_steps", state.n_clipped);
   file.write_number("previous_step", state.history.previous_step);
@@ -66,7 +66,7 @@ void write_glottis_checkpoint(const std::filesystem::path& path, const GlottisCh
 
 GlottisCheckpoint read_glottis_checkpoint(const std::filesystem::path& path, int n_stations, std::int64_t n_nodes) {
   const store::Hdf5File file = store::Hdf5File::open_for_reading(path);
-  if (!file.contains("kind") || file.read_text("kind") != kind) {
+  if (!file.contains("kind") || file.read_text("kind") != layout) {
     throw report::FileError(path.string(), "it is not a checkpoint of the glottal flow of this version",
                             "resume with the scene and the version that wrote it");
   }

@@ -53,11 +53,6 @@ std::string pages_from(const Descriptor& start, const Language& language) {
   return text;
 }
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 bool ends_with_path(const std::string& path, const std::string& end) {
   return path == end || (path.size() > end.size() && path.ends_with(end) && path[path.size() - end.size() - 1] == '.');
 }

@@ -13,16 +13,14 @@ namespace couplet::scene {
 
 namespace {
 
-const std::string model_path = "flow.navier_stokes";
-
-std::string entry(int index) {
-  return model_path + ".body[" + std::to_string(index) + "]";
+std::string body_path(int index) {
+  return entry("flow.navier_stokes.body", index);
 }
 
 std::array<double, 3> numbers(const v1::Vector& v) {
   return {v.x(), v.y(), v.z()};
 }
-bool is_zero(const v1::Vector& v) {
+bool is_zero_vector(const v1::Vector& v) {
   return v.x() == 0 && v.y() == 0 && v.z() == 0;
 }
 
@@ -33,13 +31,13 @@ bool is_thin(const v1::FlowBody& body) {
 }
 
 /// A body's name is that of its results, and others name it.
-void names_differ(const v1::NavierStokes& model, Review& review) {
+void body_names_differ(const v1::NavierStokes& model, Review& review) {
   std::set<std::string> bodies;
   for (int i = 0; i < model.body_size(); ++i) {
     const std::string& name = model.body(i).name();
     if (name.empty()) continue;
     if (!bodies.insert(name).second)
-      review.complain(entry(i) + ".name", "\"" + name + "\" is the name of another body; give each its own name");
+      review.complain(body_path(i) + ".name", "\"" + name + "\" is the name of another body; give each its own name");
   }
 }
 
@@ -55,15 +53,15 @@ void bodies_hang_on_others(const v1::NavierStokes& model, Review& review) {
     const v1::FlowBody& body = model.body(i);
     if (!body.has_moves_with()) continue;
     if (carrier.count(body.moves_with()) == 0) {
-      review.complain(entry(i) + ".moves_with", "there is no body \"" + body.moves_with() + "\"; " +
-                                                    suggestion(body.moves_with(), names, "the bodies are"));
+      review.complain(body_path(i) + ".moves_with", "there is no body \"" + body.moves_with() + "\"; " +
+                                                        suggestion(body.moves_with(), names, "the bodies are"));
       continue;
     }
     std::string at = body.moves_with();
     for (std::size_t steps = 0; steps < names.size() && !at.empty() && at != body.name(); ++steps)
       at = carrier.count(at) > 0 ? carrier[at] : "";
     if (!at.empty() && at == body.name()) {
-      review.complain(entry(i) + ".moves_with",
+      review.complain(body_path(i) + ".moves_with",
                       "\"" + body.moves_with() + "\" hangs on \"" + body.name() +
                           "\" in the end; leave out moves_with of the body that carries the others");
     }
@@ -222,7 +220,7 @@ void shape_makes_sense(const v1::FlowBody& body, const std::string& path, Review
   }
   if (body.tube().has_start() && body.tube().has_end() && numbers(body.tube().start()) == numbers(body.tube().end()))
     review.complain(path + ".tube.end", "lies where start lies; give the other end of the axis");
-  if (body.placement().has_rotation_axis() && is_zero(body.placement().rotation_axis()))
+  if (body.placement().has_rotation_axis() && is_zero_vector(body.placement().rotation_axis()))
     review.complain(path + ".placement.rotation_axis", "has no length; give a direction");
 }
 
@@ -279,7 +277,7 @@ void motion_makes_sense(const v1::FlowBody& body, const std::string& path, doubl
     }
     if (joint.has_translation() && !move.has_x() && !move.has_y() && !move.has_z())
       review.complain(where + ".translation", "moves nothing; give x, y or z, or delete the joint");
-    if (joint.rotation().has_axis() && is_zero(joint.rotation().axis()))
+    if (joint.rotation().has_axis() && is_zero_vector(joint.rotation().axis()))
       review.complain(where + ".rotation.axis", "has no length; give a direction");
   }
 }
@@ -293,22 +291,23 @@ void solid_is_one_body(const v1::Scene& scene, Review& review) {
     if (!body.has_coupled()) continue;
     ++n_coupled;
     if (!scene.has_solid())
-      review.complain(entry(i) + ".coupled",
+      review.complain(body_path(i) + ".coupled",
                       "there is no solid whose surface this could be; give solid or another shape");
     if (scene.has_solid() && n_coupled > 1)
-      review.complain(entry(i) + ".coupled", "the solid is in the flow already; delete this body");
+      review.complain(body_path(i) + ".coupled", "the solid is in the flow already; delete this body");
     if (body.has_placement())
-      review.complain(entry(i) + ".placement", "the solid says where its surface lies; delete it, or place solid.body");
+      review.complain(body_path(i) + ".placement",
+                      "the solid says where its surface lies; delete it, or place solid.body");
     if (body.joint_size() > 0)
-      review.complain(entry(i) + ".joint[0]",
+      review.complain(body_path(i) + ".joint[0]",
                       "the solid moves its surface; delete it, or give solid.prescribed_motion");
-    if (body.has_moves_with()) review.complain(entry(i) + ".moves_with", "the solid moves its surface; delete it");
+    if (body.has_moves_with()) review.complain(body_path(i) + ".moves_with", "the solid moves its surface; delete it");
     if (body.moment_about().carried())
-      review.complain(entry(i) + ".moment_about.carried",
+      review.complain(body_path(i) + ".moment_about.carried",
                       "the solid has no joints that could carry the point; delete it");
   }
   if (scene.has_solid() && n_coupled == 0)
-    review.complain_missing(model_path + ".body",
+    review.complain_missing("flow.navier_stokes.body",
                             "the solid is not in the flow; give a body { name: \"...\"  coupled { } }");
 }
 
@@ -316,18 +315,18 @@ void solid_is_one_body(const v1::Scene& scene, Review& review) {
 
 void check_flow_body_rules(const v1::Scene& scene, Review& review) {
   const v1::NavierStokes& model = scene.flow().navier_stokes();
-  names_differ(model, review);
+  body_names_differ(model, review);
   bodies_hang_on_others(model, review);
   solid_is_one_body(scene, review);
   for (int i = 0; i < model.body_size(); ++i) {
     const v1::FlowBody& body = model.body(i);
     if (!model.grid().has_z()) {
-      shape_fits_the_dimensions(body, entry(i), review);
-      motion_stays_in_the_plane(body, entry(i), review);
+      shape_fits_the_dimensions(body, body_path(i), review);
+      motion_stays_in_the_plane(body, body_path(i), review);
     }
-    shape_makes_sense(body, entry(i), review);
-    edges_are_of_sheets(body, entry(i), review);
-    motion_makes_sense(body, entry(i), scene.time().end(), review);
+    shape_makes_sense(body, body_path(i), review);
+    edges_are_of_sheets(body, body_path(i), review);
+    motion_makes_sense(body, body_path(i), scene.time().end(), review);
   }
 }
 

@@ -23,7 +23,7 @@ Imbalance imbalance_of(const std::vector<Token>& tokens) {
   return found;
 }
 
-struct Block {
+struct OpenBlock {
   int line;
   int indentation;   // of the line on which it opens
   bool shows_level;  // its content stands deeper than that line, or begins on it: later lines can be compared
@@ -73,7 +73,7 @@ class BraceMender {
   }
 
   bool shows_unclosed(const Token& first) {
-    const Block& block = open_.back();
+    const OpenBlock& block = open_.back();
     if (first.kind == Token::end) {
       is_certain_ = is_certain_ && block.shows_level && block.line < mended_.back().line;
       return true;
@@ -114,7 +114,7 @@ class BraceMender {
   bool is_certain_ = true;
   int line_ = 0;
   int indentation_ = 1;
-  std::vector<Block> open_;
+  std::vector<OpenBlock> open_;
   std::vector<Token> mended_;
 };
 

@@ -15,10 +15,6 @@ namespace {
 const std::string model_path = "flow.navier_stokes";
 constexpr int smallest_block = 4;  // cells in a direction that is cut
 
-std::string entry(const std::string& list, int index) {
-  return model_path + "." + list + "[" + std::to_string(index) + "]";
-}
-
 /// Where a grid lies, as far as the scene says it.
 struct Extent {
   double start = 0, end = 0;  // [m]
@@ -286,17 +282,17 @@ void start_makes_sense(const v1::NavierStokes& model, const Space& space, const 
 }
 
 /// Planes, points and balances become columns of one table.
-void columns_differ(const v1::NavierStokes& model, Review& review) {
+void measurements_differ(const v1::NavierStokes& model, Review& review) {
   std::set<std::string> names;
   const auto check = [&](const std::string& name, const std::string& path) {
     if (name.empty() || names.insert(name).second) return;
     review.complain(path + ".name",
                     "\"" + name + "\" is the name of another plane, probe or balance; give each its own name");
   };
-  for (int i = 0; i < model.plane_size(); ++i) check(model.plane(i).name(), entry("plane", i));
-  for (int i = 0; i < model.probe_size(); ++i) check(model.probe(i).name(), entry("probe", i));
+  for (int i = 0; i < model.plane_size(); ++i) check(model.plane(i).name(), entry(model_path + ".plane", i));
+  for (int i = 0; i < model.probe_size(); ++i) check(model.probe(i).name(), entry(model_path + ".probe", i));
   for (int i = 0; i < model.momentum_balance_size(); ++i)
-    check(model.momentum_balance(i).name(), entry("momentum_balance", i));
+    check(model.momentum_balance(i).name(), entry(model_path + ".momentum_balance", i));
 }
 
 void place_is_on_the_axis(double position, int direction, const std::string& path, const Space& space, Review& review) {
@@ -312,24 +308,26 @@ void places_are_inside(const v1::NavierStokes& model, const Space& space, Review
     if (!plane.has_normal()) continue;
     const int direction = plane.normal() - v1::Plane::X;
     if (direction == 2 && space.n_dimensions == 2) {
-      review.complain(entry("plane", i) + ".normal", "Z is no direction of a grid without z; choose X or Y");
+      review.complain(entry(model_path + ".plane", i) + ".normal",
+                      "Z is no direction of a grid without z; choose X or Y");
       continue;
     }
     if (plane.has_position()) {
-      place_is_on_the_axis(plane.position(), direction, entry("plane", i) + ".position", space, review);
+      place_is_on_the_axis(plane.position(), direction, entry(model_path + ".plane", i) + ".position", space, review);
     }
-    box_meets_the_grid(plane.box(), entry("plane", i) + ".box", direction, space, review);
+    box_meets_the_grid(plane.box(), entry(model_path + ".plane", i) + ".box", direction, space, review);
   }
   for (int i = 0; i < model.probe_size(); ++i) {
     const v1::Vector& at = model.probe(i).at();
     const std::array position{at.x(), at.y(), at.z()};
     for (int d = 0; d < space.n_dimensions; ++d) {
       place_is_on_the_axis(position[static_cast<std::size_t>(d)], d,
-                           entry("probe", i) + ".at." + std::string(1, "xyz"[d]), space, review);
+                           entry(model_path + ".probe", i) + ".at." + std::string(1, "xyz"[d]), space, review);
     }
   }
   for (int i = 0; i < model.momentum_balance_size(); ++i)
-    box_meets_the_grid(model.momentum_balance(i).box(), entry("momentum_balance", i) + ".box", -1, space, review);
+    box_meets_the_grid(model.momentum_balance(i).box(), entry(model_path + ".momentum_balance", i) + ".box", -1, space,
+                       review);
 }
 
 void stored_fields_make_sense(const v1::Scene& scene, const Space& space, Review& review) {
@@ -338,19 +336,19 @@ void stored_fields_make_sense(const v1::Scene& scene, const Space& space, Review
   for (int i = 0; i < model.field_size(); ++i) {
     const v1::FieldOutput& field = model.field(i);
     if (!names.insert(field.name()).second) {
-      review.complain(entry("field", i) + ".name",
+      review.complain(entry(model_path + ".field", i) + ".name",
                       "\"" + field.name() + "\" is the name of another field; give each its own name");
     }
-    box_meets_the_grid(field.box(), entry("field", i) + ".box", -1, space, review);
+    box_meets_the_grid(field.box(), entry(model_path + ".field", i) + ".box", -1, space, review);
     std::set<int> quantities;
     for (int q = 0; q < field.quantity_size(); ++q) {
       if (quantities.insert(field.quantity(q)).second) continue;
-      review.complain(entry("field", i) + ".quantity[" + std::to_string(q) + "]",
+      review.complain(entry(model_path + ".field", i) + ".quantity[" + std::to_string(q) + "]",
                       v1::FieldOutput::Quantity_Name(field.quantity(q)) + " stands there already; name each once");
     }
   }
   if (model.field_size() > 0 && !scene.output().has_results_interval()) {
-    review.complain(entry("field", 0),
+    review.complain(entry(model_path + ".field", 0),
                     "is never stored; give output.results_interval, the time between two stored states");
   }
 }
@@ -374,7 +372,7 @@ void check_navier_stokes_rules(const v1::Scene& scene, Review& review) {
   start_makes_sense(model, space, trial, review);
   steps_make_sense(model, scene.time().step(), review);
   blocks_have_cells(model, space, review);
-  columns_differ(model, review);
+  measurements_differ(model, review);
   places_are_inside(model, space, review);
   stored_fields_make_sense(scene, space, review);
 }

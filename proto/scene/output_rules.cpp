@@ -9,17 +9,13 @@ namespace couplet::scene {
 
 namespace {
 
-std::string entry(const std::string& list, int index) {
-  return "output." + list + "[" + std::to_string(index) + "]";
-}
-
 // Probes and quantities are found by their names.
 template <class Entries>
 void names_differ(const Entries& entries, const std::string& list, const std::string& what, Review& review) {
   for (int i = 0; i < entries.size(); ++i) {
     for (int j = 0; j < i && entries[i].has_name(); ++j) {
       if (entries[i].name() != entries[j].name()) continue;
-      review.complain(entry(list, i) + ".name",
+      review.complain(entry("output." + list, i) + ".name",
                       "\"" + entries[i].name() + "\" is the name of another " + what + "; give each its own name");
       break;
     }
@@ -41,7 +37,7 @@ void columns_differ(const v1::Scene& scene, Review& review) {
 
 void probes_are_on_the_solid(const v1::Scene& scene, Review& review) {
   for (int i = 0; i < scene.output().probe_size(); ++i) {
-    const std::string path = entry("probe", i);
+    const std::string path = entry("output.probe", i);
     if (!scene.has_solid()) review.complain(path, "is a point of the solid, but the scene has none; delete it");
     check_marker(scene.output().probe(i).at(), path + ".at", scene.solid(), review);
   }
@@ -109,7 +105,7 @@ void check_output_rules(const v1::Scene& scene, Review& review) {
   probes_are_on_the_solid(scene, review);
   fields_of_the_solid_are_stored(scene, review);
   for (int i = 0; i < output.quantity_size(); ++i) {
-    quantity_can_be_computed(output.quantity(i), entry("quantity", i), scene, review);
+    quantity_can_be_computed(output.quantity(i), entry("output.quantity", i), scene, review);
   }
 }
 

@@ -3,14 +3,11 @@
 #include <algorithm>
 
 #include "proto/scene/relation_rules.hpp"
+#include "proto/scene/wording.hpp"
 
 namespace couplet::scene {
 
 namespace {
-
-std::string entry(const std::string& list, int index) {
-  return list + "[" + std::to_string(index) + "]";
-}
 
 bool is_zero(const v1::Vector& vector) {
   return vector.x() == 0 && vector.y() == 0 && vector.z() == 0;

@@ -10,10 +10,6 @@ namespace couplet::scene {
 
 namespace {
 
-std::string entry(const std::string& list, int index) {
-  return list + "[" + std::to_string(index) + "]";
-}
-
 void name_exists(const std::string& name, const std::string& kind, const std::vector<std::string>& known,
                  const std::string& path, Review& review) {
   if (std::find(known.begin(), known.end(), name) != known.end()) return;

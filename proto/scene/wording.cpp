@@ -10,11 +10,6 @@ namespace couplet::scene {
 
 namespace {
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
 // Letters to insert, delete, replace or swap with their neighbour to turn one word into the other
 // (restricted Damerau-Levenshtein distance, row by row).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -35,6 +30,15 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+std::string entry(const std::string& list, int index) {
+  return list + "[" + std::to_string(index) + "]";
+}
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
 
 std::string number_text(double value) {
   if (std::isnan(value)) return "nan";

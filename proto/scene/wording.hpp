@@ -12,6 +12,12 @@ std::string number_text(double value);
 /// `a, b or c`
 std::string either_of(const std::vector<std::string>& names);
 
+/// `list[index]`
+std::string entry(const std::string& list, int index);
+
+/// In small letters.
+std::string lower(std::string text);
+
 /// The name that was probably meant: few letters differ, or it starts with what was written. Empty when none is near,
 /// or several are equally near.
 std::string nearest_name(const std::string& written, const std::vector<std::string>& names);

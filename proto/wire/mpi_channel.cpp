@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double linger = 2;          // [s] that a channel's end waits for what is still unsent
+constexpr double longest_wait = 2;    // [s] that a channel's end waits for what is still unsent
 constexpr std::int64_t the_end = -1;  // a head that says that no message follows
 constexpr std::int64_t head_limit = 1 + static_cast<std::int64_t>(frame_count_limit);
 
@@ -37,7 +37,7 @@ class MpiChannel : public Channel {
         heartbeat_(with_error_codes(intercommunicator), options.heartbeat_deadline) {}
 
   ~MpiChannel() override {
-    const Deadline until = deadline_in(heartbeat_.is_lost() ? 0 : linger);
+    const Deadline until = deadline_in(heartbeat_.is_lost() ? 0 : longest_wait);
     BackOff back_off;
     std::vector<std::int64_t> head{the_end};
     post(Outgoing{{}, std::move(head), {}});

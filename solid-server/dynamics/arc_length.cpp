@@ -10,7 +10,7 @@ namespace couplet::solid {
 
 namespace {
 
-double dot(const NodeVectors& a, const NodeVectors& b) {
+double inner_product(const NodeVectors& a, const NodeVectors& b) {
   return a.cwiseProduct(b).sum();
 }
 
@@ -72,12 +72,12 @@ bool Path::find_tangent() {
 bool Path::advance_arc() {
   for (; length_ >= std::ldexp(length_first_, -control_.n_halvings_most); length_ /= 2) {
     double step = length_ / tangent_.norm();
-    if (arc_before_.size() > 0 && dot(arc_before_, tangent_) < 0) step = -step;
+    if (arc_before_.size() > 0 && inner_product(arc_before_, tangent_) < 0) step = -step;
     NodeVectors end = u_ + step * tangent_;
     double load = load_ + step;
     if (!correct(end, load)) continue;
     const NodeVectors arc = end - u_;
-    if (dot(arc, tangent_) * step < 0.5 * arc.norm() * tangent_.norm() * std::abs(step)) continue;
+    if (inner_product(arc, tangent_) * step < 0.5 * arc.norm() * tangent_.norm() * std::abs(step)) continue;
     load_before_ = load_;
     arc_before_ = arc;
     arc_of_[0] = arc_of_[1], change_of_[0] = change_of_[1];
@@ -130,10 +130,11 @@ bool Path::correct(NodeVectors& end, double& load) {
 /// The root of |arc + d_r + x d_q|^2 = l^2 whose new arc turns least from the old one. None: the circle is not met.
 std::optional<double> Path::load_change(const NodeVectors& arc, const NodeVectors& d_r, const NodeVectors& d_q) const {
   const NodeVectors base = arc + d_r;
-  const double a = dot(d_q, d_q), b = dot(base, d_q), c = dot(base, base) - length_ * length_;
+  const double a = inner_product(d_q, d_q), b = inner_product(base, d_q),
+               c = inner_product(base, base) - length_ * length_;
   const double discriminant = b * b - a * c;
   if (!(discriminant >= 0) || !(a > 0)) return std::nullopt;
-  const double root = std::sqrt(discriminant), along = dot(arc, d_q);
+  const double root = std::sqrt(discriminant), along = inner_product(arc, d_q);
   return (-b + (along >= 0 ? root : -root)) / a;  // arc . (base + x d_q) is the greater, the greater x along is
 }
 

@@ -11,7 +11,7 @@ namespace couplet::solid {
 namespace {
 
 constexpr std::size_t n_pairs_most = 12;
-constexpr int n_halvings_most = 8;
+constexpr int n_shortenings_most = 8;
 constexpr int n_searches_most = 6;
 constexpr int n_growing_most = 4;               // corrections that grow one after another, before it is given up
 constexpr double worst_contraction = 0.9;       // of kept factors
@@ -43,7 +43,7 @@ class Step {
 
   bool halve_until_valid() {
     double s = 1;
-    for (int n = 0; n <= n_halvings_most; ++n, s /= 2)
+    for (int n = 0; n <= n_shortenings_most; ++n, s /= 2)
       if (try_length(s)) return true;
     return false;
   }

@@ -11,7 +11,7 @@ namespace couplet::solid {
 
 namespace {
 
-constexpr int n_halvings_most = 4;
+constexpr int n_load_halvings_most = 4;
 constexpr double largest_jump = 3;        // of a load step, over what the tangent predicts: more is another branch
 constexpr double load_difference = 1e-4;  // for the load rate: exact for loads that are linear in the factor
 
@@ -21,11 +21,11 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
                                  Motion& to) {
   begin(from, duration, interface_force, to);
   StepWork work;
-  constexpr int n_ticks = 1 << n_halvings_most;
+  constexpr int n_ticks = 1 << n_load_halvings_most;
   int n_successes = 0, tick = 0;
   double last_change = std::numeric_limits<double>::max();  // of the displacements in a load step that succeeded
   while (tick < n_ticks) {
-    const int length = 1 << (n_halvings_most - to.n_halvings);
+    const int length = 1 << (n_load_halvings_most - to.n_halvings);
     const double start = static_cast<double>(tick) / n_ticks, end = static_cast<double>(tick + length) / n_ticks;
     std::string why_not;
     const NodeVectors before = to.displacement;
@@ -43,7 +43,7 @@ StepWork StaticSolution::advance(const Motion& from, double duration, const surf
       continue;
     }
     n_successes = 0;
-    if (to.n_halvings < n_halvings_most) {
+    if (to.n_halvings < n_load_halvings_most) {
       ++to.n_halvings;
       continue;
     }

@@ -20,7 +20,7 @@ namespace couplet::solid {
 
 namespace {
 
-Eigen::Vector3d vector(const v1::Vector& v) {
+Eigen::Vector3d vector_of(const v1::Vector& v) {
   return {v.x(), v.y(), v.z()};
 }
 
@@ -41,7 +41,7 @@ SolidMesh make(const v1::VocalFoldMesh& fold) {
 }
 
 SolidMesh make(const v1::BoxMesh& box) {
-  return make_box_mesh({vector(box.length()), {box.elements_x(), box.elements_y(), box.elements_z()}});
+  return make_box_mesh({vector_of(box.length()), {box.elements_x(), box.elements_y(), box.elements_z()}});
 }
 
 SolidMesh make(const v1::ValveMesh& valve) {
@@ -60,7 +60,7 @@ SolidMesh make(const v1::ValveMesh& valve) {
 
 SolidMesh make(const v1::CylinderBeamMesh& beam) {
   CylinderBeamShape shape;
-  if (beam.has_cylinder_centre()) shape.cylinder_centre = vector(beam.cylinder_centre());
+  if (beam.has_cylinder_centre()) shape.cylinder_centre = vector_of(beam.cylinder_centre());
   shape.cylinder_radius = beam.cylinder_radius();
   shape.length = beam.length();
   shape.height = beam.thickness();
@@ -86,7 +86,7 @@ SolidMesh make(const v1::BallMesh& ball) {
   const BallPart part = ball.part() == v1::BallMesh::LOWER_HALF   ? BallPart::lower_half
                         : ball.part() == v1::BallMesh::UPPER_HALF ? BallPart::upper_half
                                                                   : BallPart::whole;
-  return make_ball_mesh({ball.radius(), vector(ball.centre()), part, ball.quarter(), ball.elements()});
+  return make_ball_mesh({ball.radius(), vector_of(ball.centre()), part, ball.quarter(), ball.elements()});
 }
 
 SolidMesh make(const v1::ArchMesh& arch) {
@@ -121,11 +121,11 @@ SolidMesh read(const v1::Body& body, const std::string& where, const std::filesy
 
 Eigen::Isometry3d make_placement(const v1::Placement& placement, const std::string& where) {
   const Eigen::Vector3d axis =
-      placement.has_rotation_axis() ? vector(placement.rotation_axis()) : Eigen::Vector3d(Eigen::Vector3d::UnitX());
+      placement.has_rotation_axis() ? vector_of(placement.rotation_axis()) : Eigen::Vector3d(Eigen::Vector3d::UnitX());
   if (!(axis.norm() > 0))
     throw report::SceneError(where + ".rotation_axis", "the axis (0, 0, 0) has no direction", "give it a length");
   const double angle = placement.rotation_angle() * std::numbers::pi / 180;
-  return Eigen::Translation3d(vector(placement.translation())) * Eigen::AngleAxisd(angle, axis.normalized());
+  return Eigen::Translation3d(vector_of(placement.translation())) * Eigen::AngleAxisd(angle, axis.normalized());
 }
 
 SolidMesh make_or_read(const v1::Body& body, const std::string& where, const std::filesystem::path& scene_folder) {

@@ -4,17 +4,6 @@
 
 namespace couplet::solid {
 
-namespace {
-
-std::string trimmed(std::string_view text) {
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return std::string(text);
-}
-
-}  // namespace
-
 std::string in_capitals(std::string_view text) {
   std::string capitals(text);
   for (char& c : capitals)
@@ -61,7 +50,7 @@ void AbaqusLines::read_keyword() {
       continue;
     }
     const std::size_t equals = std::min(part.find('='), part.size());
-    std::string value = equals < part.size() ? trimmed(part.substr(equals + 1)) : "";
+    std::string value(equals < part.size() ? trimmed(part.substr(equals + 1)) : "");
     value.erase(std::remove(value.begin(), value.end(), '"'), value.end());
     parameter_[in_capitals(trimmed(part.substr(0, equals)))] = value;
   }

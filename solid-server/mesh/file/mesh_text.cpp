@@ -17,12 +17,6 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 /// A value as messages show it: at most 40 characters, each printable.
 std::string shown(std::string_view value) {
   std::string text(value.substr(0, 40));
@@ -32,6 +26,12 @@ std::string shown(std::string_view value) {
 }
 
 }  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
 
 std::string read_mesh_text(const std::filesystem::path& file) {
   const std::string advice = "give the path of a mesh file";

@@ -9,6 +9,9 @@
 
 namespace couplet::solid {
 
+/// Without the blanks at both ends.
+std::string_view trimmed(std::string_view text);
+
 /// The whole file. Throws FileError when it cannot be read.
 std::string read_mesh_text(const std::filesystem::path& file);
 
