@@ -1,8 +1,7 @@
 #include "tests/unit/proto/wire/channel_conformance.hpp"
 
-#include <sys/resource.h>
-
 #include <cstdint>
+#include <ctime>
 #include <thread>
 
 #include "proto/report/failure.hpp"
@@ -40,13 +39,11 @@ Frame pattern(std::size_t size) {
   return frame;
 }
 
+// Of the thread that asks: what other threads use says nothing of how it waits.
 double processor_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  timespec used{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
 }
 
 }  // namespace
@@ -187,12 +184,13 @@ TEST_P(ChannelConformance, ALostCouplerIsNoticedByAnIdleServer) {
       });
 }
 
-// Both ends wait for one second. The bound leaves room for a loaded machine; spinning would use a whole second each.
+// Both ends wait for one second. Spinning would use all of it; sleeping takes a few milliseconds, more where the host
+// of a virtual machine has other work. The bound lies in the middle.
 TEST_P(ChannelConformance, WaitingLeavesTheProcessorToOthers) {
   const auto wait = [](Channel& channel) {
     const double before = processor_seconds();
     EXPECT_FALSE(channel.receive(deadline_in(1)).has_value());
-    EXPECT_LT(processor_seconds() - before, 0.2);
+    EXPECT_LT(processor_seconds() - before, 0.5);
   };
   play(
       [&](const End& coupler) {
