@@ -6,7 +6,10 @@ namespace couplet::coupling {
 
 namespace {
 constexpr int easy_steps_before_growth = 4;
-constexpr double sliver = 1e-6;  // of a step: a remainder this small is joined to the last step
+// Of a step. A remainder as small as the end of a run by a rounded step leaves is joined to the last step: alone it
+// would divide changes of state by next to nothing.
+constexpr double sliver = 1e-3;
+constexpr double equal = 1e-6;  // a last step this near to a whole one is one
 }  // namespace
 
 StepSize::StepSize(double end, double step, int halvings_max) : end_(end), step_(step), halvings_max_(halvings_max) {}
@@ -22,7 +25,7 @@ double StepSize::next_time() const {
 // A whole step has the same bits every time, wherever it starts; the last one may be shorter.
 double StepSize::duration() const {
   const double whole = std::ldexp(step_, -level_), rest = end_ - time_;
-  return is_last() && std::abs(rest - whole) > sliver * whole ? rest : whole;
+  return is_last() && std::abs(rest - whole) > equal * whole ? rest : whole;
 }
 
 bool StepSize::is_last() const {

@@ -23,8 +23,9 @@ namespace couplet::participant {
 
 namespace {
 
-// A remainder of the span below this share of a step is round-off of the sum of steps and not a step of its own.
-constexpr double sliver = 1e-6;
+// A remainder of the span below this share of a step comes from an end or a step that was rounded and is no step of its
+// own.
+constexpr double sliver = 1e-3;
 const std::string participant_file = "alone";
 const std::string record_file = "clock";
 

@@ -87,6 +87,17 @@ TEST(StepSize, CutsTheLastStepAtTheEnd) {
   EXPECT_EQ(size.time(), 0.25);
 }
 
+TEST(StepSize, JoinsWhatARoundedStepLeavesToTheLastStep) {
+  StepSize size(1, 0.3333, 6);  // three steps end at 0.9999
+  size.accept(true);
+  EXPECT_EQ(size.duration(), 0.3333);
+  size.accept(true);
+  EXPECT_EQ(size.next_time(), 1);
+  EXPECT_NEAR(size.duration(), 0.3334, 1e-12);
+  size.accept(true);
+  EXPECT_TRUE(size.is_at_end());
+}
+
 TEST(StepSize, HalvesAndGrowsBackToMultiplesOfTheStep) {
   StepSize size(1, 0.1, 6);
   size.accept(true);

@@ -31,8 +31,8 @@ def swing(time, value):
 def rows_of(options, density, exact, cells):
     step = 2 * numpy.pi / exact / STEPS
     name = f"density-{density:g}-{cells}"
-    settings = [f"flow.fluid.density={density:g}", f"flow.fluid.viscosity={1e-7 * density:g}", f"time.step={step:.6g}",
-                f"time.end={4 * STEPS * step:.6g}", f"output.results_interval={4 * STEPS * step:.6g}"]
+    settings = [f"flow.fluid.density={density:g}", f"flow.fluid.viscosity={1e-7 * density:g}", f"time.step={step:.9g}",
+                f"time.end={4 * STEPS * step:.9g}", f"output.results_interval={4 * STEPS * step:.9g}"]
     settings += [f"flow.navier_stokes.grid.{axis}.uniform.cells={cells}" for axis in "xy"]
     history, folder = forces.solve(options, SCENE, name, settings)
     varied = {"mesh": f"{0.45 * cells / 3.12:.1f} cells in the gap", "dt": step}
