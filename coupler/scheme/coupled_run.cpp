@@ -14,6 +14,7 @@
 #include "proto/report/failure.hpp"
 #include "proto/report/progress.hpp"
 #include "proto/scene/read_scene.hpp"
+#include "proto/store/checkpoint_schedule.hpp"
 #include "proto/store/derived_quantity.hpp"
 #include "proto/store/run_folder.hpp"
 
@@ -44,28 +45,31 @@ class Run {
     record_.add(step, residual, pair_->largest_conservation_error());
     history_->append(step, displacement_of(step.state));
     progress_->step(step.step, step.time, step.iterations, residual);
-    const v1::Output& output = scene_.output();
-    if (output.has_checkpoints() && step.step % output.checkpoints().every_steps() == 0) write_checkpoint();
+    if (schedule_->is_due(step.step)) write_checkpoint();
   }
 
   void write_checkpoint() {
+    const auto begun = store::CheckpointSchedule::Clock::now();
     SavedState state;
     loop_->save(state);
     record_.save(state);
     write_coupled_checkpoint(folder_.checkpoints(), loop_->step(), flow_, solid_, state);
-    last_checkpoint_ = loop_->step();
+    schedule_->note_written(loop_->step(), begun);
+    record_.note_checkpoints(schedule_->n_written(), schedule_->seconds());
   }
 
   /// Where a run is cut off by the user, it can be continued if the scene wants checkpoints at all.
   void write_last_checkpoint() {
-    if (scene_.output().has_checkpoints() && loop_->step() > last_checkpoint_) write_checkpoint();
+    if (schedule_->is_missing(loop_->step())) write_checkpoint();
   }
 
   void finish_progress() { progress_->finish(); }
 
  private:
   void open() {
-    if (!options_.resume_from.empty()) checkpoint_ = store::find_checkpoint(options_.resume_from);
+    if (!options_.resume_from.empty())
+      checkpoint_ =
+          store::find_checkpoint(options_.resume_from, [this](const std::string& sentence) { log_.warn(sentence); });
     const participant::Opened solid = solid_.open(open_request("solid", std::nullopt));
     const participant::Opened flow = flow_.open(open_request("flow", solid.surface));
     const v1::Coupling& coupling = scene_.coupling();
@@ -102,7 +106,8 @@ class Run {
     } else if (is_iterated) {
       convergence_->write_to(folder_.iterations());
     }
-    first_step_ = last_checkpoint_ = loop_->step();
+    first_step_ = loop_->step();
+    schedule_.emplace(scene_.output(), first_step_);
     progress_ = std::make_unique<report::Progress>(loop_->time(), scene_.time().end(), options_.quiet);
   }
 
@@ -128,7 +133,8 @@ class Run {
   std::unique_ptr<TimeLoop> loop_;
   std::unique_ptr<HistoryTable> history_;
   std::unique_ptr<report::Progress> progress_;
-  std::int64_t first_step_ = 0, last_checkpoint_ = 0;
+  std::optional<store::CheckpointSchedule> schedule_;
+  std::int64_t first_step_ = 0;
 };
 
 void close(Participant& participant, const std::string& name, const std::string& reason, RunRecord& record) {

@@ -51,6 +51,11 @@ void RunRecord::add(const AcceptedStep& step, double residual, const Conservatio
   summary_.work_error_max = std::max(summary_.work_error_max, error.work);
 }
 
+void RunRecord::note_checkpoints(int n_written, double seconds) {
+  summary_.n_checkpoints = n_written;
+  summary_.checkpoint_seconds = seconds;
+}
+
 void RunRecord::add_program(const std::string& name, const std::vector<participant::NamedNumber>& quantities) {
   store::ProgramCost cost{name, 0, 0, {}};
   for (const participant::NamedNumber& quantity : quantities) {

@@ -22,6 +22,7 @@ class RunRecord {
   explicit RunRecord(std::string scene_path);
 
   void add(const AcceptedStep& step, double residual, const ConservationError& error);
+  void note_checkpoints(int n_written, double seconds);
   void add_program(const std::string& name, const std::vector<participant::NamedNumber>& quantities);
 
   /// The summary so far, with the cost of this process.

@@ -50,6 +50,11 @@ void add_run_options(CLI::App& verb, RunOptions& run) {
       ->check(CLI::IsMember({"mpi", "zmq"}));
   verb.add_option("--resume", run.resume, "run folder or checkpoint to continue from")->type_name("DIR");
   verb.add_option("--steps", run.steps, "stop after so many steps")->check(CLI::PositiveNumber);
+  verb.add_option(
+          "--restarts", run.restarts,
+          "how often in a row, without a further checkpoint, a run goes on by itself after it has lost a program")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
   verb.add_flag("--quiet", run.quiet, "say nothing but what went wrong");
   verb.add_flag("--force", run.force, "replace a run that is in the folder already");
   verb.add_flag("!--no-report", run.report, "do not write report.html at the end");

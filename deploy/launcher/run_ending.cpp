@@ -33,11 +33,13 @@ Verdict killed(const ProgramEnding& end) {
   const std::string how = " (signal " + std::to_string(signal) + ", " + strsignal(signal) + ")";
   constexpr std::array faults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
   if (std::find(faults.begin(), faults.end(), signal) != faults.end()) {
-    return {bug, who + " crashed" + how + "; this is a fault of Couplet: please report it with log.txt and the scene"};
+    return {bug, who + " crashed" + how + "; this is a fault of Couplet: please report it with log.txt and the scene",
+            true};
   }
   return {lost_program,
           who + " was killed" + how +
-              "; what was written stays readable: run again, or continue from a checkpoint with --resume"};
+              "; what was written stays readable: run again, or continue from a checkpoint with --resume",
+          true};
 }
 
 Verdict in_its_own_words(const ProgramEnding& end) {
@@ -45,7 +47,7 @@ Verdict in_its_own_words(const ProgramEnding& end) {
   const std::string words = end.last_words.empty() ? end.program + " ended with code " +
                                                          std::to_string(end.ending.code) + "; log.txt says more"
                                                    : end.last_words;
-  return {known ? end.ending.code : bug, words};
+  return {known ? end.ending.code : bug, words, end.ending.code == lost_program};
 }
 
 }  // namespace
@@ -58,7 +60,8 @@ Verdict judge(const RunEnding& run) {
   if (const auto* end = find(run, failed)) return in_its_own_words(*end);
   if (!run.stuck.empty()) {
     return {lost_program,
-            run.stuck + "; what was written stays readable: run again, or continue from a checkpoint with --resume"};
+            run.stuck + "; what was written stays readable: run again, or continue from a checkpoint with --resume",
+            true};
   }
   if (const auto* end = find(run, [](const auto& e) { return e.is_leader && e.ending.code != 0; }))
     return in_its_own_words(*end);

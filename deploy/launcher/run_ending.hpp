@@ -25,6 +25,7 @@ struct RunEnding {
 struct Verdict {
   int exit_code = 0;
   std::string sentence;  // the last line of a run that failed
+  bool is_loss = false;  // of a program or a connection: the same again may go well
 };
 
 /// The exit code of the run and the line that explains it. A program that was killed explains what the others complain

@@ -17,6 +17,7 @@ struct RunOptions {
   std::string transport;              // mpi, zmq; empty: as the scene says
   std::filesystem::path resume;       // run folder or checkpoint to continue from; empty: start at t = 0
   std::int64_t steps = 0;             // stop after so many steps; 0: at the end of the scene
+  int restarts = 3;                   // in a row without a further checkpoint, after the loss of a program; 0: none
   bool quiet = false;
   bool force = false;  // write into a folder that already holds a run
   bool report = true;  // write report.html at the end

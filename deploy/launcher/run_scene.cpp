@@ -9,6 +9,7 @@
 #include "deploy/launcher/external_program.hpp"
 #include "deploy/launcher/flow_ranks.hpp"
 #include "deploy/launcher/launch_plan.hpp"
+#include "deploy/launcher/restarts.hpp"
 #include "deploy/launcher/run_summary.hpp"
 #include "deploy/launcher/socket_folder.hpp"
 #include "deploy/launcher/supervisor.hpp"
@@ -59,8 +60,9 @@ void prepare_folder(const store::RunFolder& folder, const RunOptions& options) {
   std::filesystem::remove_all(folder.results(), ignored);
 }
 
-RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, RunConsole& console) {
+RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, bool is_replaced, RunConsole& console) {
   Patience patience;
+  patience.is_replaced = is_replaced;
   patience.frozen = std::chrono::duration<double>(scene.coupling().heartbeat_deadline());
   Supervisor supervisor(console, patience);
   for (const ProgramStart& server : plan.servers) supervisor.start_server(server);
@@ -93,14 +95,21 @@ int run_scene(const RunOptions& options) {
   const store::RunFolder folder = choose_folder(options);
   RunOptions chosen = options;
   chosen.flow_ranks = choose_flow_ranks(file.scene, options, installation);
-  const LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path());
+  LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path());
   prepare_folder(folder, options);
   RunConsole console(folder.log(), options.quiet);
   console.show(file.scene.title() + "\n  results in " + folder.path.string());
 
-  const RunEnding ending = start_and_watch(plan, file.scene, console);
-  const Verdict verdict = judge(ending);
-  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested);
+  Restarts restarts(chosen, folder);
+  RunEnding ending = start_and_watch(plan, file.scene, options.restarts > 0, console);
+  while (const auto next = restarts.after(judge(ending), ending.stop_requested)) {
+    console.show(judge(ending).sentence);
+    console.show("started again " + restarts.from_where());
+    plan = plan_launch(file.scene, *next, installation, folder.path, sockets.path());
+    ending = start_and_watch(plan, file.scene, true, console);
+  }
+  const Verdict verdict = restarts.settle(judge(ending));
+  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested, restarts.n_restarts());
   const bool has_report = options.report && write_report(folder, installation, console);
 
   if (!options.quiet) std::printf("%s", summary_table(folder).c_str());

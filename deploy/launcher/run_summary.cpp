@@ -43,14 +43,16 @@ std::string quantity_line(const std::string& name, const Json& quantity) {
 }  // namespace
 
 void settle_summary(const store::RunFolder& folder, const std::string& scene, const Verdict& verdict,
-                    bool stop_requested) {
+                    bool stop_requested, int n_restarts) {
   Json summary = read_summary(folder);
   const std::string wanted = verdict.exit_code != 0 ? "failed" : stop_requested ? "stopped" : "finished";
   const std::string found = summary.value("status", "");
-  if (verdict.exit_code == 0 && !found.empty() && found != "failed") return;
-  if (found == wanted && summary.value("failure", "") == verdict.sentence) return;
-  summary["status"] = wanted;
+  const bool is_right = verdict.exit_code == 0 ? !found.empty() && found != "failed"
+                                               : found == wanted && summary.value("failure", "") == verdict.sentence;
+  if (is_right && n_restarts == 0) return;
+  if (!is_right) summary["status"] = wanted;
   if (verdict.exit_code != 0) summary["failure"] = verdict.sentence;
+  if (n_restarts > 0) summary["restarts"] = n_restarts;
   if (!summary.contains("scene")) summary["scene"] = scene;
   if (!summary.contains("version")) summary["version"] = report::version();
   if (!summary.contains("commit")) summary["commit"] = report::commit();

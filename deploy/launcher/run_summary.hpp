@@ -9,9 +9,10 @@
 namespace couplet::launcher {
 
 /// The program that owned time writes the summary. Where it could not, or does not know how the run really ended, the
-/// launcher says so: status failed (with the sentence) or stopped.
+/// launcher says so: status failed (with the sentence) or stopped. How often the run was started again stands there
+/// too.
 void settle_summary(const store::RunFolder& folder, const std::string& scene, const Verdict& verdict,
-                    bool stop_requested);
+                    bool stop_requested, int n_restarts);
 
 /// Status, steps and quantities, a line each.
 std::string summary_table(const store::RunFolder& folder);

@@ -13,6 +13,15 @@
 #include "deploy/launcher/process_tree.hpp"
 
 namespace couplet::launcher {
+namespace {
+
+/// mpirun and shells report a signal as a code above 128.
+bool is_loss(const Ending& end) {
+  constexpr int lost_program = 4;
+  return end.by_signal || end.code > 128 || end.code == lost_program;
+}
+
+}  // namespace
 
 Supervisor::Supervisor(RunConsole& console, Patience patience) : console_(console), patience_(patience) {
   sigset_t signals;
@@ -145,6 +154,7 @@ void Supervisor::note_endings() {
     console_.log("couplet", program.name + (end.by_signal ? " was ended by signal " : " ended with code ") +
                                 std::to_string(end.code));
     if (program.is_leader || end.by_signal || end.code != 0) first_loss_ = first_loss_.value_or(Clock::now());
+    if (is_loss(end) && !ending_.stop_requested) drop_if_replaced();
   }
 }
 
@@ -170,6 +180,12 @@ void Supervisor::give_up(const std::string& why) {
   if (ending_.stuck.empty()) console_.log("couplet", why);
   if (ending_.stuck.empty()) ending_.stuck = why;
   first_loss_ = first_loss_.value_or(Clock::now());
+  drop_if_replaced();
+}
+
+/// Who is started again from what lies on the disk need not end in good order.
+void Supervisor::drop_if_replaced() {
+  if (patience_.is_replaced) first_loss_ = Clock::now() - std::chrono::duration_cast<Clock::duration>(patience_.kill);
 }
 
 void Supervisor::hurry() {

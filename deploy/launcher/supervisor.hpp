@@ -22,6 +22,7 @@ struct Patience {
   std::chrono::duration<double> frozen{8};  // a program that is stopped for so long is given up
   std::chrono::duration<double> ask{3};     // then the others are asked to end
   std::chrono::duration<double> kill{8};    // then they are killed
+  bool is_replaced = false;                 // what is lost is started again: the others are killed at once
 };
 
 class Supervisor {
@@ -65,6 +66,7 @@ class Supervisor {
   void pass_on_stop_request();
   void signal_all(int signal);
   void hurry();
+  void drop_if_replaced();
   void give_up(const std::string& why);
   static void kill_orphans();
   bool any_running() const;

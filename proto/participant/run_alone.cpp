@@ -6,12 +6,14 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "proto/participant/stop_signal.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/report/progress.hpp"
 #include "proto/scene/read_scene.hpp"
 #include "proto/store/checkpoint_folder.hpp"
+#include "proto/store/checkpoint_schedule.hpp"
 #include "proto/store/derived_quantity.hpp"
 #include "proto/store/hdf5_file.hpp"
 #include "proto/store/interface_probe.hpp"
@@ -121,7 +123,8 @@ class AloneRun {
   store::RunFolder folder_;
   std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   Clock clock_;
-  std::int64_t first_step_ = 0, last_checkpoint_ = 0;
+  std::int64_t first_step_ = 0;
+  std::optional<store::CheckpointSchedule> schedule_;  // from open() on
   surface::FieldSet load_;
   std::unique_ptr<History> history_;
   std::vector<NamedNumber> costs_;
@@ -133,7 +136,7 @@ void AloneRun::run() {
   try {
     open();
     solve_all();
-    if (!is_at_end() && scene_.output().has_checkpoints() && clock_.step > last_checkpoint_) write_checkpoint();
+    if (!is_at_end() && schedule_->is_missing(clock_.step)) write_checkpoint();
     close(is_at_end() ? "finished" : "stopped");
   } catch (const std::exception& failure) {
     end_after(failure.what());
@@ -163,7 +166,8 @@ void AloneRun::open() {
   request.run_folder = std::filesystem::absolute(folder_.path).string();
   std::filesystem::path earlier_history;
   if (!options_.resume_from.empty()) {
-    const auto checkpoint = store::find_checkpoint(options_.resume_from);
+    const auto checkpoint = store::find_checkpoint(
+        options_.resume_from, [](const std::string& sentence) { std::fprintf(stderr, "%s\n", sentence.c_str()); });
     const auto record = store::Hdf5File::open_for_reading(checkpoint.participant_file(record_file));
     clock_ = {record.read_integer("step"), record.read_number("time")};
     store::refuse_end_before_checkpoint(checkpoint, clock_.time, scene_.time().end());
@@ -171,7 +175,8 @@ void AloneRun::open() {
     earlier_history = store::RunFolder{checkpoint.path.parent_path().parent_path()}.history();
   }
   const Opened opened = participant_.open(request);
-  first_step_ = last_checkpoint_ = clock_.step;
+  first_step_ = clock_.step;
+  schedule_.emplace(scene_.output(), first_step_);
   load_ = no_load(opened);
   const bool shows_motion = std::count(opened.offers.begin(), opened.offers.end(), "displacement") > 0;
   history_ =
@@ -200,9 +205,7 @@ void AloneRun::solve_all() {
       break;  // the accepted state is that of the step before
     }
     progress.step(clock_.step, clock_.time, 0, 0);
-    const auto& output = scene_.output();
-    if (output.has_checkpoints() && clock_.step % std::max(1, output.checkpoints().every_steps()) == 0)
-      write_checkpoint();
+    if (schedule_->is_due(clock_.step)) write_checkpoint();
   }
   participant_.watch_steps({});
   progress.finish();
@@ -217,6 +220,7 @@ void AloneRun::take_step(double duration) {
 }
 
 void AloneRun::write_checkpoint() {
+  const auto begun = store::CheckpointSchedule::Clock::now();
   const auto checkpoint = store::make_checkpoint_folder(folder_.checkpoints(), clock_.step);
   participant_.write_checkpoint(std::filesystem::absolute(checkpoint.participant_file(participant_file)).string());
   auto record = store::Hdf5File::create(checkpoint.participant_file(record_file));
@@ -224,7 +228,7 @@ void AloneRun::write_checkpoint() {
   record.write_number("time", clock_.time);
   record.close();
   store::complete_checkpoint(checkpoint);
-  last_checkpoint_ = clock_.step;
+  schedule_->note_written(clock_.step, begun);
 }
 
 void AloneRun::close(const std::string& reason) {
@@ -270,6 +274,10 @@ void AloneRun::write_summary(const std::string& status, const std::string& failu
   summary.end_time = clock_.time;
   summary.wall_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   summary.programs = {cost};
+  if (schedule_) {
+    summary.n_checkpoints = schedule_->n_written();
+    summary.checkpoint_seconds = schedule_->seconds();
+  }
   summary.quantities = derived_quantities();
   store::write_summary(folder_.summary(), summary);
 }

@@ -62,6 +62,8 @@ void write_summary(const std::filesystem::path& path, const Summary& summary) {
                               {"moment_error_max", number(summary.moment_error_max)},
                               {"work_error_max", number(summary.work_error_max)}};
   }
+  if (summary.n_checkpoints > 0)
+    object["checkpoints"] = {{"written", summary.n_checkpoints}, {"seconds", number(summary.checkpoint_seconds)}};
   if (!summary.programs.empty()) object["programs"] = programs(summary.programs);
   if (!summary.quantities.empty()) object["quantities"] = quantities(summary.quantities);
   // Text that is not UTF-8 (a path, say) is mended and not refused.

@@ -39,6 +39,8 @@ struct Summary {
   double moment_error_max = 0;
   double work_error_max = 0;
   bool coupled = false;
+  int n_checkpoints = 0;  // written by this part of the run
+  double checkpoint_seconds = 0;
   std::vector<ProgramCost> programs;
   std::vector<SummaryQuantity> quantities;
 };

@@ -4,8 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "proto/checksum/crc32c.hpp"
 #include "proto/report/failure.hpp"
-#include "proto/wire/crc32c.hpp"
 
 namespace couplet::wire {
 
@@ -65,7 +65,7 @@ void check(const v1::ArrayHeader& header, const Frame& frame, v1::ArrayHeader::S
 
 template <class Array>
 void copy_checked(Array& values, const v1::ArrayHeader& header, const Frame& frame, const std::string& whose) {
-  const std::uint32_t found = copy_with_crc32c(values.data(), frame.data(), frame.size());
+  const std::uint32_t found = checksum::copy_with_crc32c(values.data(), frame.data(), frame.size());
   if (!header.has_crc32c()) refuse(header, whose, "comes without its checksum crc32c");
   if (found != header.crc32c()) refuse(header, whose, "was damaged on its way: its checksum does not agree");
 }
@@ -74,7 +74,7 @@ void copy_checked(Array& values, const v1::ArrayHeader& header, const Frame& fra
 
 PackedArray pack_array(const std::string& name, const std::string& unit, const surface::NodeArray& values) {
   PackedArray packed{node_header(name, unit, values), Frame(static_cast<std::size_t>(values.size()) * sizeof(double))};
-  packed.header.set_crc32c(copy_with_crc32c(packed.frame.data(), values.data(), packed.frame.size()));
+  packed.header.set_crc32c(checksum::copy_with_crc32c(packed.frame.data(), values.data(), packed.frame.size()));
   return packed;
 }
 
@@ -82,7 +82,7 @@ PackedArray pack_array(const std::string& name, const std::string& unit, surface
   const auto owner = std::make_shared<surface::NodeArray>(std::move(values));
   const std::size_t size = static_cast<std::size_t>(owner->size()) * sizeof(double);
   PackedArray packed{node_header(name, unit, *owner), Frame::inside(owner, owner->data(), size)};
-  packed.header.set_crc32c(crc32c(owner->data(), size));
+  packed.header.set_crc32c(checksum::crc32c(owner->data(), size));
   return packed;
 }
 
@@ -90,7 +90,7 @@ PackedArray pack_array(const std::string& name, const surface::IndexArray& value
   PackedArray packed{make_header(name, "", v1::ArrayHeader::INT64),
                      Frame(static_cast<std::size_t>(values.size()) * sizeof(std::int64_t))};
   packed.header.add_shape(values.size());
-  packed.header.set_crc32c(copy_with_crc32c(packed.frame.data(), values.data(), packed.frame.size()));
+  packed.header.set_crc32c(checksum::copy_with_crc32c(packed.frame.data(), values.data(), packed.frame.size()));
   return packed;
 }
 

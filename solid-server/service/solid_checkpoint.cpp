@@ -3,9 +3,9 @@
 #include <google/protobuf/io/coded_stream.h>
 #include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 
+#include "proto/checksum/crc32c.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/store/hdf5_file.hpp"
-#include "proto/wire/crc32c.hpp"
 
 namespace couplet::solid {
 
@@ -82,7 +82,7 @@ SolidIdentity identity_of(const SolidMesh& mesh, const v1::Solid& solid) {
   SolidIdentity identity;
   const auto add = [&](const auto& values) {
     identity.mesh =
-        wire::crc32c(values.data(), static_cast<std::size_t>(values.size()) * sizeof *values.data(), identity.mesh);
+        checksum::crc32c(values.data(), static_cast<std::size_t>(values.size()) * sizeof *values.data(), identity.mesh);
   };
   add(mesh.node_position);
   for (const ElementBlock& block : mesh.block) add(block.node);
@@ -94,7 +94,7 @@ SolidIdentity identity_of(const SolidMesh& mesh, const v1::Solid& solid) {
     coded.SetSerializationDeterministic(true);
     solid.SerializeToCodedStream(&coded);
   }
-  identity.scene = wire::crc32c(text.data(), text.size());
+  identity.scene = checksum::crc32c(text.data(), text.size());
   return identity;
 }
 

@@ -13,8 +13,9 @@ from xml.etree import ElementTree
 
 import h5py
 import meshio
+import numpy
 
-from run_under_test import FLOW_SCENE, PROGRAMS, SCENE, Run, descendants, interrupt, still_running
+from run_under_test import FLOW_SCENE, PROGRAMS, SCENE, Run, cut_connections, descendants, interrupt, still_running
 
 COUPLET = os.environ["COUPLET"]
 ENDS_WITHIN = 10  # [s] from the loss of a program to the end of the run: the promise of the contract
@@ -204,6 +205,93 @@ class LauncherTest(FaultCase):
         n_rows = min(len(expected), len(found))
         self.assertGreater(n_rows, 60)
         self.assertEqual(found[:n_rows], expected[:n_rows])
+
+
+class SurvivalTest(FaultCase):
+    """A run that loses a program goes on by itself to the numbers of one that lost nothing."""
+
+    SETTINGS = ["output.checkpoints={every_steps: 25}", f"coupling.heartbeat_deadline={HEARTBEAT}"]
+    STEPS = 150
+
+    def start_whole(self, *arguments, restarts=3):
+        return self.start("--steps", str(self.STEPS), *arguments, settings=self.SETTINGS, restarts=restarts)
+
+    def expect_the_same(self, run, n_restarts):
+        code, lines = run.end(600)
+        self.assertEqual(code, 0, lines)
+        self.assertEqual(run.summary()["status"], "finished")
+        self.assertEqual(run.summary()["restarts"], n_restarts)
+        whole = self.start_whole()
+        self.assertEqual(whole.end(600)[0], 0)
+        self.assertEqual((run.out / "history.csv").read_bytes(), (whole.out / "history.csv").read_bytes())
+        for found, expected in zip(self.states(run), self.states(whole), strict=True):
+            for a, b in zip(found, expected, strict=True):
+                self.assertEqual(a[0], b[0])
+                numpy.testing.assert_array_equal(a[1], b[1])
+
+    def states(self, run):
+        """Time and displacement of every stored state, as a reader of the .xmf finds them, of both surfaces."""
+        for name in ("flow", "fold"):
+            with meshio.xdmf.TimeSeriesReader(run.out / "results" / f"{name}.xmf") as reader:
+                reader.read_points_cells()
+                yield [(time, data["displacement"]) for time, data, _ in map(reader.read_data, range(reader.num_steps))]
+
+    def lose(self, disturb, *arguments, after=60):
+        run = self.start_whole(*arguments)
+        run.wait_for_steps(after)
+        disturb(run)
+        self.expect_the_same(run, 1)
+
+    def test_a_damaged_checkpoint_is_passed_over(self):
+        def disturb(run):
+            newest = sorted((run.out / "checkpoint").glob("step-*[0-9]"))[-1]
+            with open(newest / "solid.h5", "r+b") as file:
+                file.seek(1000)
+                file.write(b"\xff" * 8)
+            run.send("coupler", signal.SIGKILL)
+        self.lose(disturb, after=55)
+
+    def test_before_the_first_checkpoint(self):
+        self.lose(lambda run: run.send("flow-server", signal.SIGKILL), after=5)
+
+    def test_a_connection_that_is_cut(self):
+        self.lose(lambda run: self.assertGreater(cut_connections(run.pid_of("solid-server")), 0), "--transport", "zmq")
+
+    def test_twice(self):
+        run = self.start_whole()
+        for step in (40, 90):
+            run.wait_for_steps(step)
+            run.send("solid-server", signal.SIGKILL)
+            while run.n_rows() >= step:  # until it has been taken back to its checkpoint
+                time.sleep(0.01)
+        self.expect_the_same(run, 2)
+
+    def test_a_run_that_is_lost_again_and_again_is_given_up(self):
+        run = self.start_whole(restarts=2)
+        deadline = time.monotonic() + 120
+        while run.process.poll() is None and time.monotonic() < deadline:
+            for pid in run.pids_of("solid-server"):
+                os.kill(pid, signal.SIGKILL)
+            time.sleep(0.01)
+        code, lines = run.end(10)
+        self.assertEqual(code, 4)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn("lost 3 times in a row before it came to its next checkpoint", lines[0])
+        self.assertIn("killed (signal 9", lines[0])
+
+
+def add_survival_tests():
+    def make(transport, program, number):
+        return lambda self: self.lose(lambda run: run.send(program, number), "--transport", transport)
+
+    for program in PROGRAMS:
+        name = program.replace("-", "_")
+        setattr(SurvivalTest, f"test_killed_{name}_over_zmq", make("zmq", program, signal.SIGKILL))
+        setattr(SurvivalTest, f"test_frozen_{name}_over_zmq", make("zmq", program, signal.SIGSTOP))
+    SurvivalTest.test_killed_solid_server_over_mpi = make("mpi", "solid-server", signal.SIGKILL)
+
+
+add_survival_tests()
 
 
 class RefusalTest(FaultCase):

@@ -1,9 +1,11 @@
 """A run of the vocal fold that a test starts, watches and disturbs. Only processes that descend from it are ever touched."""
 
 import csv
+import ctypes
 import json
 import os
 import signal
+import socket
 import subprocess
 import tempfile
 import time
@@ -16,16 +18,17 @@ PROGRAMS = ("coupler", "flow-server", "solid-server")
 
 # Implicit coupling and fields that are stored often: much is going on when something happens.
 SETTINGS = ["coupling.scheme=SERIAL_IMPLICIT", "output.results_start=0", "output.results_interval=1e-4", "time.end=10"]
+PIDFD_GETFD = 438  # the system call, on every architecture; Python has no name for it
 START_DEADLINE = 90  # [s] for a busy machine; usually below 1
 
 
 class Run:
     """`couplet run` in a folder of its own."""
 
-    def __init__(self, couplet, *arguments, settings=(), scene=SCENE, common=SETTINGS):
+    def __init__(self, couplet, *arguments, settings=(), scene=SCENE, common=SETTINGS, restarts=0):
         self.temporary = tempfile.TemporaryDirectory(prefix="couplet fault ")
         self.out = Path(self.temporary.name) / "run"
-        command = [couplet, "run", str(scene), "--out", str(self.out), "--quiet", "--no-report", *arguments]
+        command = [couplet, "run", str(scene), "--out", str(self.out), "--quiet", "--no-report", "--restarts", str(restarts), *arguments]
         for setting in [*common, *settings]:
             command += ["--set", setting]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -79,6 +82,28 @@ class Run:
         with open(self.out / "history.csv", newline="") as file:
             rows = list(csv.reader(file))
         return rows[0], [[float(value) for value in row] for row in rows[1:]]
+
+
+def cut_connections(pid):
+    """Shuts down every stream socket of a process, as a network that breaks does; how many they were."""
+    n_cut = 0
+    process = os.pidfd_open(pid)
+    try:
+        for entry in Path(f"/proc/{pid}/fd").iterdir():
+            if not os.readlink(entry).startswith("socket:"):
+                continue
+            copy = ctypes.CDLL(None, use_errno=True).syscall(PIDFD_GETFD, process, int(entry.name), 0)
+            if copy < 0:
+                continue
+            with socket.socket(fileno=copy) as end:
+                try:
+                    end.shutdown(socket.SHUT_RDWR)
+                    n_cut += 1
+                except OSError:
+                    pass  # one that listens, or is not connected
+    finally:
+        os.close(process)
+    return n_cut
 
 
 def name_of(pid):

@@ -4,8 +4,8 @@
 #include <ctime>
 #include <thread>
 
+#include "proto/checksum/crc32c.hpp"
 #include "proto/report/failure.hpp"
-#include "proto/wire/crc32c.hpp"
 
 namespace couplet::wire {
 
@@ -90,14 +90,14 @@ TEST_P(ChannelConformance, ALargeFrameArrivesUnchanged) {
   play(
       [](const End& coupler) {
         Frame large = pattern(20'000'000);
-        const std::uint32_t sum = crc32c(large.data(), large.size());
+        const std::uint32_t sum = checksum::crc32c(large.data(), large.size());
         Frames message = message_of({"head"});
         message.push_back(std::move(large));
         coupler->send(std::move(message));
         const Frames back = receive_or_fail(*coupler);
         ASSERT_EQ(back.size(), 2U);
         ASSERT_EQ(back[1].size(), 20'000'000U);
-        EXPECT_EQ(crc32c(back[1].data(), back[1].size()), sum);
+        EXPECT_EQ(checksum::crc32c(back[1].data(), back[1].size()), sum);
       },
       [](const End& server) { echo(*server, 1); });
 }

@@ -1,10 +1,11 @@
 #pragma once
-// The checksum of an array on the wire: CRC-32C (Castagnoli, polynomial 0x1EDC6F41, reflected; RFC 3720 appendix B.4).
+// The checksum of arrays on the wire, meshes and files: CRC-32C (Castagnoli, polynomial 0x1EDC6F41, reflected; RFC 3720
+// appendix B.4).
 
 #include <cstddef>
 #include <cstdint>
 
-namespace couplet::wire {
+namespace couplet::checksum {
 
 /// CRC-32C of the bytes; crc32c("123456789") = 0xE3069283. A longer text is done in parts by passing on the value so
 /// far.
@@ -16,4 +17,4 @@ std::uint32_t copy_with_crc32c(void* to, const void* from, std::size_t size);
 /// The same function without special instructions; crc32c uses it where the processor has none.
 std::uint32_t crc32c_by_table(const void* data, std::size_t size, std::uint32_t value_so_far = 0);
 
-}  // namespace couplet::wire
+}  // namespace couplet::checksum

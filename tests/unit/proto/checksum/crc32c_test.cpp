@@ -1,11 +1,11 @@
-#include "proto/wire/crc32c.hpp"
+#include "proto/checksum/crc32c.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
 
-namespace couplet::wire {
+namespace couplet::checksum {
 
 namespace {
 
@@ -61,4 +61,4 @@ TEST(Crc32c, ComesWithACopyAtNoExtraPass) {
 
 }  // namespace
 
-}  // namespace couplet::wire
+}  // namespace couplet::checksum

@@ -1,4 +1,4 @@
-#include "proto/wire/crc32c.hpp"
+#include "proto/checksum/crc32c.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <nmmintrin.h>
 #endif
 
-namespace couplet::wire {
+namespace couplet::checksum {
 
 namespace {
 
@@ -123,4 +123,4 @@ std::uint32_t copy_with_crc32c(void* to, const void* from, std::size_t size) {
   return value;
 }
 
-}  // namespace couplet::wire
+}  // namespace couplet::checksum
