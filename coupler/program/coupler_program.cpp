@@ -25,6 +25,7 @@ struct CommandLine {
   std::string scene;
   std::vector<std::string> settings;
   std::string flow, solid;  // addresses
+  std::string keys;         // folder; empty: nothing is encrypted
   std::string transport;    // empty: as the scene says
   CoupledRunOptions run;
 };
@@ -34,7 +35,7 @@ v1::Transport choose_transport(const CommandLine& line, const v1::Scene& scene) 
   return line.transport == "zmq" ? v1::ZEROMQ : scene.coupling().transport();
 }
 
-std::unique_ptr<wire::Channel> connect(const std::string& name, const std::string& address,
+std::unique_ptr<wire::Channel> connect(const std::string& name, const std::string& address, const std::string& keys,
                                        const v1::Coupling& coupling) {
   if (address.empty()) {
     throw report::SceneError("command line", "the address of the " + name + " server is missing",
@@ -42,6 +43,7 @@ std::unique_ptr<wire::Channel> connect(const std::string& name, const std::strin
   }
   wire::ZeromqOptions options;
   options.heartbeat_deadline = coupling.heartbeat_deadline();
+  if (!keys.empty()) options.keys = wire::read_curve_keys(keys, "coupler", name + "-server");
   return wire::connect_zeromq(address, options);
 }
 
@@ -59,8 +61,8 @@ struct Servers {
 };
 
 Servers connect_by_zeromq(const CommandLine& line, const v1::Coupling& coupling) {
-  return {make_remote("flow", connect("flow", line.flow, coupling), line, coupling),
-          make_remote("solid", connect("solid", line.solid, coupling), line, coupling)};
+  return {make_remote("flow", connect("flow", line.flow, line.keys, coupling), line, coupling),
+          make_remote("solid", connect("solid", line.solid, line.keys, coupling), line, coupling)};
 }
 
 Servers connect_by_mpi(wire::MpiJob& job, const CommandLine& line, const v1::Coupling& coupling) {
@@ -118,6 +120,8 @@ void add_run(CLI::App& app, CommandLine& line) {
   run->add_option("--steps", line.run.steps, "accept so many steps and end; 0: go on to the end of the scene")
       ->check(CLI::NonNegativeNumber);
   run->add_option("--resume", line.run.resume_from, "run folder or checkpoint folder to continue from");
+  run->add_option("--keys", line.keys,
+                  "folder of keys made by `couplet keys`: the servers must have been given theirs");
   run->add_flag("--quiet", line.run.quiet, "no progress line");
   run->add_option("--transport", line.transport, "zmq, or mpi inside one MPI job; without it as the scene says")
       ->check(CLI::IsMember({"zmq", "mpi"}));

@@ -48,6 +48,8 @@ void add_run_options(CLI::App& verb, RunOptions& run) {
   verb.add_option("--solid-threads", run.solid_threads, "threads of the solid server")->check(CLI::Range(1, 4096));
   verb.add_option("--transport", run.transport, "how the programs talk; default: as the scene says")
       ->check(CLI::IsMember({"mpi", "zmq"}));
+  verb.add_option("--keys", run.keys, "folder made by `couplet keys`: the programs prove who they are and encrypt")
+      ->type_name("DIR");
   verb.add_option("--resume", run.resume, "run folder or checkpoint to continue from")->type_name("DIR");
   verb.add_option("--steps", run.steps, "stop after so many steps")->check(CLI::PositiveNumber);
   verb.add_option(

@@ -32,6 +32,10 @@ Words thread_arguments(const RunOptions& options) {
   return options.solid_threads > 0 ? Words{"--threads", std::to_string(options.solid_threads)} : Words{};
 }
 
+Words key_arguments(const RunOptions& options) {
+  return options.keys.empty() ? Words{} : Words{"--keys", std::filesystem::absolute(options.keys).string()};
+}
+
 std::string choose_transport(const v1::Scene& scene, const RunOptions& options) {
   if (!options.transport.empty()) return options.transport;
   switch (scene.coupling().transport()) {
@@ -88,8 +92,7 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
     add(command, scene_arguments(options));
     add(command, {"--listen", listen_address(scene, socket_folder, name)});
     add(command, {"--heartbeat", scene::number_text(scene.coupling().heartbeat_deadline())});
-    if (scene.coupling().has_listen())
-      add(command, {"--allow-remote"});  // the scene names the address: that is the permission
+    add(command, key_arguments(options));
     if (name == "solid") add(command, thread_arguments(options));
     ProgramStart server{program, command, {}, {}, {}};
     if (name == "flow" && options.flow_ranks > 1) server = on_ranks(options.flow_ranks, server);
@@ -98,6 +101,7 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
   }
   Words command{installation.program("coupler"), "run"};
   add(command, run_arguments(options, run_folder));
+  add(command, key_arguments(options));
   plan.leader = {"coupler", command, {}, {}, {}};
   return plan;
 }
@@ -138,9 +142,12 @@ LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const 
     return {{}, alone("solid-server", thread_arguments(options), options, installation, run_folder), {}};
   }
   if (!scene.has_solid()) return {{}, flow_alone(options, installation, run_folder), {}};
-  return choose_transport(scene, options) == "mpi"
-             ? over_mpi(options, installation, run_folder)
-             : over_zeromq(scene, options, installation, run_folder, socket_folder);
+  const std::string transport = choose_transport(scene, options);
+  if (transport == "mpi" && !options.keys.empty()) {
+    throw report::SceneError("--keys", "MPI does not encrypt", "add --transport zmq, or leave --keys out");
+  }
+  return transport == "mpi" ? over_mpi(options, installation, run_folder)
+                            : over_zeromq(scene, options, installation, run_folder, socket_folder);
 }
 
 }  // namespace couplet::launcher

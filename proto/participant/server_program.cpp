@@ -22,7 +22,7 @@ namespace {
 struct CommandLine {
   std::string listen = "tcp://127.0.0.1:*";
   std::string transport = "zmq";
-  std::string scene;
+  std::string scene, keys;
   std::vector<std::string> settings;
   ServerOptions server;
   wire::ZeromqOptions zeromq;
@@ -100,7 +100,9 @@ int serve(const ServerProgram& program, const CommandLine& line) {
     ServeOptions options = make_serve_options(program, line);
     if (server.ranks != MPI_COMM_NULL) options.ranks = size_of(server.ranks);
     catch_stop_signals();
-    const auto channel = wire::listen_zeromq(line.listen, line.zeromq);
+    wire::ZeromqOptions zeromq = line.zeromq;
+    if (!line.keys.empty()) zeromq.keys = wire::read_curve_keys(line.keys, program.name, "coupler");
+    const auto channel = wire::listen_zeromq(line.listen, zeromq);
     std::printf("listening %s\n", channel->describe().c_str());
     std::fflush(stdout);
     serve_participant(*channel, *participant, options);
@@ -182,7 +184,9 @@ void add_serve(CLI::App& app, CommandLine& line) {
   serve->add_option("--wait", line.zeromq.connect_deadline, "seconds to wait for the coupler to come")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  serve->add_flag("--allow-remote", line.zeromq.allow_remote, "bind to an address that other machines can reach");
+  serve->add_option("--keys", line.keys,
+                    "folder of keys made by `couplet keys`: encrypt, and obey the coupler with the right key only; "
+                    "must be given where other machines can reach the address");
   serve->add_option("--set", line.settings, "PATH=VALUE for the scene that is checked")->take_all();
 }
 

@@ -8,8 +8,10 @@ namespace couplet::wire {
 
 namespace {
 
+constexpr int failures =
+    ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 constexpr int what_is_reported =
-    ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED;
+    ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED | failures;
 
 }  // namespace
 
@@ -39,6 +41,8 @@ void ConnectionWatch::read(bool follow_first) {
     } else if (what == ZMQ_EVENT_DISCONNECTED) {
       alive_.erase(connection);
       followed_.erase(connection);
+    } else if ((what & failures) != 0) {
+      ++n_failed_;
     } else if (follow_first && !has_followed_) {
       // The first handshake: whoever answers there speaks ZeroMQ. The event does not say on which connection.
       followed_ = alive_;

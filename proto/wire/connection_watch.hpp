@@ -25,6 +25,8 @@ class ConnectionWatch {
   void follow_sender(const zmq::message_t& message);
 
   bool has_followed() const { return has_followed_; }
+  /// Connections that came to nothing: the program there has other keys, or none, or does not speak ZeroMQ.
+  int n_failed() const { return n_failed_; }
   bool is_lost() const { return has_followed_ && followed_.empty(); }
 
  private:
@@ -33,6 +35,7 @@ class ConnectionWatch {
   std::set<int> alive_;     // file descriptors
   std::set<int> followed_;  // never grows again: a peer that comes back has forgotten the session
   bool has_followed_ = false;
+  int n_failed_ = 0;
 };
 
 }  // namespace couplet::wire

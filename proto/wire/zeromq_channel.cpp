@@ -10,6 +10,7 @@
 #include "proto/report/failure.hpp"
 #include "proto/wire/back_off.hpp"
 #include "proto/wire/connection_watch.hpp"
+#include "proto/wire/curve_gate.hpp"
 #include "proto/wire/keep_memory.hpp"
 #include "proto/wire/zeromq_address.hpp"
 
@@ -25,6 +26,13 @@ constexpr std::size_t handed_over = 4096;  // [bytes]
 
 // What is still unsent when a channel ends may take this long to leave; a program's exit never hangs longer.
 constexpr int linger = 2000;  // [ms]
+
+// One request is unanswered at any time; more than a few messages that wait can only come from somebody who means no
+// good.
+constexpr int messages_waiting = 4;
+
+// Of programs that are turned away; whoever knocks for days must not fill the disk.
+constexpr int lines_at_most = 20;
 
 // A blocking receive is several times quicker than a poll of socket and watch together, so the watch is asked this
 // often.
@@ -65,6 +73,10 @@ class ZeromqChannel : public Channel {
     socket_.set(zmq::sockopt::linger, linger);
     socket_.set(zmq::sockopt::sndtimeo, static_cast<int>(glance.count()));
     socket_.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(frame_size_limit));
+    socket_.set(zmq::sockopt::rcvhwm, messages_waiting);
+    if (!options.keys) return;
+    socket_.set(zmq::sockopt::curve_secretkey, options.keys->secret_key);
+    socket_.set(zmq::sockopt::curve_publickey, options.keys->public_key);
   }
 
   void send(Frames message) override {
@@ -105,6 +117,8 @@ class ZeromqChannel : public Channel {
   // Takes the envelope off; false when the message is not for us.
   virtual bool open_envelope(Parts& parts) = 0;
   virtual bool follows_first_connection() const = 0;
+  // So many connections have come to nothing since the last call.
+  virtual void note_failed(int n_failed) = 0;
   virtual report::PeerError never_came() const = 0;
 
   const ZeromqOptions options_;
@@ -123,6 +137,9 @@ class ZeromqChannel : public Channel {
 
   bool is_lost() {
     watch_.read(follows_first_connection());
+    const int n_failed = watch_.n_failed() - n_failed_;
+    n_failed_ = watch_.n_failed();
+    if (n_failed > 0) note_failed(n_failed);
     if (watch_.is_lost()) socket_.set(zmq::sockopt::linger, 0);  // nobody will take what is left
     return watch_.is_lost();
   }
@@ -190,6 +207,7 @@ class ZeromqChannel : public Channel {
   }
 
   Deadline connect_deadline_;
+  int n_failed_ = 0;
   int timeout_ = -1;  // [ms] of the socket's receive, as it is set
 };
 
@@ -199,6 +217,11 @@ class ZeromqServer : public ZeromqChannel {
       : ZeromqChannel(zmq::socket_type::router, options) {
     address_ = address;
     socket_.set(zmq::sockopt::router_mandatory, true);
+    if (options.keys) {
+      gate_.emplace(context_, options.keys->peer_public_key);
+      socket_.set(zmq::sockopt::curve_server, true);
+      socket_.set(zmq::sockopt::zap_domain, "couplet");
+    }
     try {
       socket_.bind(address);
     } catch (const zmq::error_t& error) {
@@ -234,11 +257,21 @@ class ZeromqServer : public ZeromqChannel {
 
   bool follows_first_connection() const override { return false; }  // it follows who speaks first
 
+  void note_failed(int n_failed) override {
+    for (; n_failed > 0 && n_lines_ < lines_at_most; --n_failed, ++n_lines_) {
+      std::fprintf(stderr, "%s: a program that %s was turned away%s\n", address_.c_str(),
+                   options_.keys ? "has another key, or none," : "does not speak ZeroMQ",
+                   n_lines_ + 1 < lines_at_most ? "" : "; no more of them will be reported");
+    }
+  }
+
   report::PeerError never_came() const override {
     return {address_, "no coupler has come within " + seconds_text(options_.connect_deadline),
             "start the coupler with this address, or wait longer with --wait"};
   }
 
+  std::optional<CurveGate> gate_;
+  int n_lines_ = 0;
   std::string peer_;  // routing id; empty until the first message
   bool has_warned_ = false;
 };
@@ -248,6 +281,7 @@ class ZeromqClient : public ZeromqChannel {
   ZeromqClient(const std::string& address, const ZeromqOptions& options)
       : ZeromqChannel(zmq::socket_type::dealer, options) {
     address_ = address;
+    if (options.keys) socket_.set(zmq::sockopt::curve_serverkey, options.keys->peer_public_key);
     socket_.set(zmq::sockopt::reconnect_ivl, 20);  // [ms] between attempts until the server is there
     socket_.connect(address);
   }
@@ -257,25 +291,40 @@ class ZeromqClient : public ZeromqChannel {
   bool open_envelope(Parts&) override { return true; }
   bool follows_first_connection() const override { return true; }
 
+  void note_failed(int) override {
+    if (watch_.has_followed()) return;  // it had come, and is lost
+    socket_.set(zmq::sockopt::linger, 0);
+    throw report::PeerError(address_,
+                            options_.keys ? "the program there has other keys, or none"
+                                          : "the program there asks for a key, or is no server",
+                            options_.keys ? "make the keys of both ends with one call of `couplet keys`"
+                                          : "give --keys DIR if it was started with them; check the address");
+  }
+
   report::PeerError never_came() const override {
     return {address_, "no server has answered there within " + seconds_text(options_.connect_deadline),
             "check that it runs and that it prints this address"};
   }
 };
 
+void refuse_open_link(const std::string& address, const ZeromqOptions& options) {
+  if (options.keys || is_local_address(address)) return;
+  throw report::SceneError(
+      address, "leaves this machine, and without keys anybody there can read and send what he likes",
+      "make keys with `couplet keys DIR` and give --keys DIR, or stay on this machine: tcp://127.0.0.1:*");
+}
+
 }  // namespace
 
 std::unique_ptr<Channel> listen_zeromq(const std::string& address, const ZeromqOptions& options) {
   check_zeromq_address(address);
-  if (!options.allow_remote && !is_local_address(address)) {
-    throw report::SceneError(address, "can be reached from other machines, and whoever comes first is obeyed",
-                             "bind to tcp://127.0.0.1:*, or say --allow-remote on a network that you trust");
-  }
+  refuse_open_link(address, options);
   return std::make_unique<ZeromqServer>(address, options);
 }
 
 std::unique_ptr<Channel> connect_zeromq(const std::string& address, const ZeromqOptions& options) {
   check_zeromq_address(address);
+  refuse_open_link(address, options);
   return std::make_unique<ZeromqClient>(address, options);
 }
 

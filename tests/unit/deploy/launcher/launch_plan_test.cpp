@@ -17,7 +17,7 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::Not;
+using testing::IsSupersetOf;
 using testing::SizeIs;
 
 class LaunchPlanTest : public testing::Test {
@@ -143,14 +143,23 @@ TEST_F(LaunchPlanTest, EverySettingReachesEveryProgram) {
   }
 }
 
+TEST_F(LaunchPlanTest, KeysReachEveryProgram) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  options_.keys = "/my/keys";
+  for (const ProgramStart& start : {plan().servers[0], plan().servers[1], plan().leader}) {
+    EXPECT_THAT(start.command, IsSupersetOf({std::string("--keys"), std::string("/my/keys")})) << start.name;
+  }
+  options_.transport = "mpi";
+  EXPECT_THROW(plan(), report::SceneError);
+}
+
 TEST_F(LaunchPlanTest, ServersAreReachedOnThisMachineOnlyUnlessTheSceneSaysOtherwise) {
   scene_.mutable_flow();
   scene_.mutable_solid();
   EXPECT_THAT(plan().servers[0].command, Contains("ipc:///sockets/flow"));
-  EXPECT_THAT(plan().servers[0].command, Not(Contains("--allow-remote")));
   scene_.mutable_coupling()->set_listen("tcp://10.0.0.5:*");
   EXPECT_THAT(plan().servers[0].command, Contains("tcp://10.0.0.5:*"));
-  EXPECT_THAT(plan().servers[0].command, Contains("--allow-remote"));
 }
 
 TEST_F(LaunchPlanTest, MpiIsOneJobOfThreePrograms) {

@@ -62,7 +62,7 @@ TEST(ServerProgram, HelpNamesEveryVerb) {
 TEST(ServerProgram, HelpOfAVerbNamesItsOptions) {
   auto program = server({"serve", "--help"});
   EXPECT_EQ(program.exit_code(), 0);
-  for (const char* option : {"--listen", "--transport", "--threads", "--heartbeat", "--wait", "--allow-remote"})
+  for (const char* option : {"--listen", "--transport", "--threads", "--heartbeat", "--wait", "--keys"})
     EXPECT_THAT(program.output(), HasSubstr(option));
 }
 

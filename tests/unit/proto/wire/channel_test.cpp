@@ -4,10 +4,12 @@
 
 #include <exception>
 #include <thread>
+#include <tuple>
 
 #include "proto/wire/memory_channel.hpp"
 #include "proto/wire/zeromq_channel.hpp"
 #include "tests/unit/proto/wire/channel_conformance.hpp"
+#include "tests/unit/proto/wire/test_keys.hpp"
 
 namespace couplet::wire {
 
@@ -48,16 +50,19 @@ ChannelKind memory() {
   return {"memory", [] { return std::make_unique<TwoThreads>(make_memory_channel()); }};
 }
 
-ChannelKind zeromq(const std::string& name, const std::string& address) {
-  return {name, [address] {
-            auto server = listen_zeromq(address, {});
-            auto coupler = connect_zeromq(server->describe(), {});
+ChannelKind zeromq(const std::string& name, const std::string& address, bool is_encrypted = false) {
+  return {name, [address, is_encrypted] {
+            ZeromqOptions of_coupler, of_server;
+            if (is_encrypted) std::tie(of_coupler.keys, of_server.keys) = make_keys_of_both();
+            auto server = listen_zeromq(address, of_server);
+            auto coupler = connect_zeromq(server->describe(), of_coupler);
             return std::make_unique<TwoThreads>(TwoThreads::Ends{std::move(coupler), std::move(server)});
           }};
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, ChannelConformance,
                          testing::Values(memory(), zeromq("zeromq_tcp", "tcp://127.0.0.1:*"),
+                                         zeromq("zeromq_tcp_encrypted", "tcp://127.0.0.1:*", true),
                                          zeromq("zeromq_ipc", "ipc://*"),
                                          zeromq("zeromq_ipc_abstract", "ipc://@couplet-" + std::to_string(getpid()))),
                          [](const auto& kind) { return kind.param.name; });

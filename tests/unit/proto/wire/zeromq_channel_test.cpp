@@ -8,10 +8,12 @@
 #include <unistd.h>
 
 #include <thread>
+#include <tuple>
 #include <zmq.hpp>
 
 #include "proto/report/failure.hpp"
 #include "proto/wire/zeromq_address.hpp"
+#include "tests/unit/proto/wire/test_keys.hpp"
 
 namespace couplet::wire {
 
@@ -184,18 +186,91 @@ TEST(ZeromqChannel, AnEndThatIsGivenUpDoesNotHang) {
   EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(20));
 }
 
-TEST(ZeromqChannel, RefusesToBeReachedFromOtherMachinesUnlessToldTo) {
+// A server with keys, and a coupler that has those of `options`.
+class EncryptedServer : public testing::Test {
+ protected:
+  EncryptedServer() {
+    ZeromqOptions options;
+    std::tie(right_.keys, options.keys) = make_keys_of_both();
+    server_ = listen_zeromq("tcp://127.0.0.1:*", options);
+  }
+
+  // What the server says while somebody knocks, and that nobody gets in.
+  std::string knock(const ZeromqOptions& options, std::string& answer) {
+    testing::internal::CaptureStderr();
+    const auto stranger = connect_zeromq(server_->describe(), options);
+    stranger->send(message_of("obey me"));
+    EXPECT_FALSE(server_->receive(deadline_in(0.3)).has_value());
+    try {
+      EXPECT_FALSE(stranger->receive(deadline_in(0.3)).has_value());
+    } catch (const report::PeerError& fault) {
+      answer = fault.sentence();
+    }
+    return testing::internal::GetCapturedStderr();
+  }
+
+  // After all that, the right one is let in.
+  void expect_the_right_one_gets_in() {
+    const auto coupler = connect_zeromq(server_->describe(), right_);
+    coupler->send(message_of("hello"));
+    EXPECT_EQ(receive_text(*server_), "hello");
+    server_->send(message_of("welcome"));
+    EXPECT_EQ(receive_text(*coupler), "welcome");
+  }
+
+  ZeromqOptions right_;
+  std::unique_ptr<Channel> server_;
+};
+
+TEST_F(EncryptedServer, TurnsAwayWhoHasAnotherKey) {
+  ZeromqOptions wrong = right_;
+  const KeyPair other = make_key_pair();
+  wrong.keys->secret_key = other.secret_key, wrong.keys->public_key = other.public_key;
+  std::string answer;
+  EXPECT_NE(knock(wrong, answer).find("has another key, or none, was turned away"), std::string::npos);
+  EXPECT_EQ(answer, "the program there has other keys, or none");
+  expect_the_right_one_gets_in();
+}
+
+TEST_F(EncryptedServer, TurnsAwayWhoTakesItForAnotherServer) {
+  ZeromqOptions wrong = right_;
+  wrong.keys->peer_public_key = make_key_pair().public_key;
+  std::string answer;
+  EXPECT_NE(knock(wrong, answer).find("was turned away"), std::string::npos);
+  EXPECT_EQ(answer, "the program there has other keys, or none");
+  expect_the_right_one_gets_in();
+}
+
+TEST_F(EncryptedServer, TurnsAwayWhoDoesNotEncrypt) {
+  std::string answer;
+  EXPECT_NE(knock({}, answer).find("was turned away"), std::string::npos);
+  EXPECT_EQ(answer, "the program there asks for a key, or is no server");
+  expect_the_right_one_gets_in();
+}
+
+TEST(ZeromqChannel, ACouplerWithKeysDoesNotTalkToAServerWithoutThem) {
+  const auto server = listen_zeromq("tcp://127.0.0.1:*", {});
+  ZeromqOptions options;
+  options.keys = make_keys_of_both().first;
+  const auto coupler = connect_zeromq(server->describe(), options);
+  coupler->send(message_of("secret"));
+  EXPECT_THROW(coupler->receive(deadline_in(30)), report::PeerError);
+  EXPECT_FALSE(server->receive(deadline_in(0.1)).has_value());
+}
+
+TEST(ZeromqChannel, LeavesThisMachineWithKeysOnly) {
   for (const char* address :
        {"tcp://*:*", "tcp://0.0.0.0:*", "tcp://[::]:5555", "tcp://eth0:5555", "tcp://10.0.0.5:*"}) {
     try {
       listen_zeromq(address, {});
       ADD_FAILURE() << address << " was bound";
     } catch (const report::SceneError& fault) {
-      EXPECT_NE(fault.advice().find("--allow-remote"), std::string::npos);
+      EXPECT_NE(fault.advice().find("--keys"), std::string::npos);
     }
   }
+  EXPECT_THROW(connect_zeromq("tcp://10.0.0.5:5555", {}), report::SceneError);
   ZeromqOptions options;
-  options.allow_remote = true;
+  options.keys = make_keys_of_both().second;
   EXPECT_NO_THROW(listen_zeromq("tcp://0.0.0.0:*", options));
 }
 
