@@ -6,25 +6,12 @@
 
 #include "deploy/launcher/checked_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
+#include "deploy/launcher/shell_words.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/store/run_folder.hpp"
 
 namespace couplet::launcher {
 namespace {
-
-/// A word as the shell reads it back, whatever is in it.
-std::string quoted(const std::string& word) {
-  std::string text = "'";
-  for (const char c : word) {
-    if (c == '\'') {
-      text.append("'\\''");
-    } else {
-      text.push_back(c);
-    }
-  }
-  text.push_back('\'');
-  return text;
-}
 
 std::string full_name(const std::filesystem::path& path) {
   return std::filesystem::absolute(path).lexically_normal();

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <utility>
 
+#include "deploy/launcher/process_tree.hpp"
 #include "proto/report/failure.hpp"
 
 namespace couplet::launcher {
@@ -38,7 +39,7 @@ Stream make_stream(bool as_terminal) {
 }
 
 /// Between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* words, pid_t launcher, int output, int errors) {
+[[noreturn]] void become(char* const* words, pid_t launcher, int input, int output, int errors) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != launcher) _exit(127);  // the launcher was already gone
   setpgid(0, 0);                          // Ctrl-C goes to the launcher, which tells the others
@@ -46,8 +47,7 @@ Stream make_stream(bool as_terminal) {
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   signal(SIGPIPE, SIG_DFL);
-  const int nothing = open("/dev/null", O_RDONLY);
-  dup2(nothing, STDIN_FILENO);
+  dup2(input >= 0 ? input : open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(errors, STDERR_FILENO);
   execvp(words[0], words);
@@ -63,9 +63,14 @@ ChildProcess::ChildProcess(const ProgramStart& start, Terminals terminals) {
   for (const std::string& word : start.command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   for (const auto& [name, value] : start.environment) setenv(name.c_str(), value.c_str(), 1);
+  int input[2] = {-1, -1};
+  if (start.is_attended && pipe2(input, O_CLOEXEC) != 0)
+    throw report::FileError("pipe", std::strerror(errno), "close other programs");
   const pid_t launcher = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(words.data(), launcher, output.theirs, errors.theirs);
+  if (pid_ == 0) become(words.data(), launcher, input[0], output.theirs, errors.theirs);
+  if (input[0] >= 0) close(input[0]);
+  words_ = input[1];
   close(output.theirs);
   close(errors.theirs);
   output_ = output.ours;
@@ -78,6 +83,7 @@ ChildProcess::ChildProcess(ChildProcess&& other) noexcept
     : pid_(std::exchange(other.pid_, -1)),
       output_(std::exchange(other.output_, -1)),
       errors_(std::exchange(other.errors_, -1)),
+      words_(std::exchange(other.words_, -1)),
       output_lines_(std::move(other.output_lines_)),
       error_lines_(std::move(other.error_lines_)),
       ending_(other.ending_) {}
@@ -87,7 +93,7 @@ ChildProcess::~ChildProcess() {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  for (const int file : {output_, errors_}) {
+  for (const int file : {output_, errors_, words_}) {
     if (file >= 0) close(file);
   }
 }
@@ -100,7 +106,24 @@ void ChildProcess::look() {
 }
 
 void ChildProcess::send_signal(int signal) const {
-  if (!ending_) kill(pid_, signal);
+  if (ending_) return;
+  is_attended() ? tell("itself " + std::to_string(signal)) : void(kill(pid_, signal));
+}
+
+void ChildProcess::signal_tree(int signal) const {
+  if (ending_) return;
+  is_attended() ? tell("tree " + std::to_string(signal)) : launcher::signal_tree(pid_, signal);
+}
+
+void ChildProcess::signal_named(const std::string& name, int signal) const {
+  if (ending_) return;
+  is_attended() ? tell("named " + name + " " + std::to_string(signal)) : launcher::signal_named(pid_, name, signal);
+}
+
+/// A connection that is gone takes no words; the attendant ends its program then.
+void ChildProcess::tell(const std::string& words) const {
+  const std::string line = words + "\n";
+  (void)!write(words_, line.data(), line.size());
 }
 
 std::vector<OutputLine> ChildProcess::read(int& file, OutputSplitter& lines) {

@@ -46,8 +46,8 @@ class ChildProcess {
     bool output = false, errors = false;
   };
 
-  /// Starts the program in a process group of its own, without standard input. Throws FileError when that is
-  /// impossible.
+  /// Starts the program in a process group of its own, without standard input; one that is attended hears there what to
+  /// do. Throws FileError when that is impossible.
   ChildProcess(const ProgramStart& start, Terminals terminals);
   ChildProcess(ChildProcess&& other) noexcept;
   ChildProcess& operator=(ChildProcess&&) = delete;
@@ -59,6 +59,11 @@ class ChildProcess {
   /// Notes that it has ended, if it has.
   void look();
   void send_signal(int signal) const;
+  /// To the program and all that it has started, or to those of them that have a name.
+  void signal_tree(int signal) const;
+  void signal_named(const std::string& name, int signal) const;
+  /// It runs on another host, behind a remote shell; what is known of its processes is known there.
+  bool is_attended() const { return words_ >= 0; }
 
   int output() const { return output_; }  // file descriptors to read from; -1 once closed
   int errors() const { return errors_; }
@@ -68,9 +73,11 @@ class ChildProcess {
 
  private:
   static std::vector<OutputLine> read(int& file, OutputSplitter& lines);
+  void tell(const std::string& words) const;
 
   pid_t pid_ = -1;
   int output_ = -1, errors_ = -1;
+  int words_ = -1;  // to the attendant; -1 when there is none
   OutputSplitter output_lines_, error_lines_;
   std::optional<Ending> ending_;
 };

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <functional>
 
+#include "deploy/launcher/attendant.hpp"
 #include "deploy/launcher/batch_job.hpp"
 #include "deploy/launcher/cases.hpp"
 #include "deploy/launcher/check_scene.hpp"
@@ -48,6 +49,8 @@ void add_run_options(CLI::App& verb, RunOptions& run) {
   verb.add_option("--solid-threads", run.solid_threads, "threads of the solid server")->check(CLI::Range(1, 4096));
   verb.add_option("--transport", run.transport, "how the programs talk; default: as the scene says")
       ->check(CLI::IsMember({"mpi", "zmq"}));
+  verb.add_option("--hosts", run.hosts, "file that says which program runs on which host (describe Hosts)")
+      ->type_name("FILE");
   verb.add_option("--keys", run.keys, "folder made by `couplet keys`: the programs prove who they are and encrypt")
       ->type_name("DIR");
   verb.add_option("--resume", run.resume, "run folder or checkpoint to continue from")->type_name("DIR");
@@ -128,6 +131,11 @@ void add_verbs_that_tell(CommandLine& line) {
       return 0;
     };
   });
+
+  CLI::App* attend = line.app.add_subcommand("attend", "stand beside a program on another host for the launcher");
+  attend->group("")->prefix_command();  // not for users
+  attend->callback(
+      [&line, attend] { line.action = [words = attend->remaining()] { return launcher::attend(words); }; });
 
   line.app.add_subcommand("version", "version, commit, compiler, library versions")->callback([&line] {
     line.action = [] {

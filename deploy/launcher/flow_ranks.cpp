@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <string>
-#include <thread>
 
 #include "deploy/launcher/server_estimate.hpp"
 #include "proto/report/failure.hpp"
@@ -29,7 +28,8 @@ int ranks_for_cells(double n_cells, int n_cores) {
   return n_ranks;
 }
 
-int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation) {
+int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
+                      int n_cores) {
   if (scene.flow().navier_stokes().has_decomposition()) {
     const v1::Decomposition& blocks = scene.flow().navier_stokes().decomposition();
     const int n_blocks = blocks.x() * blocks.y() * blocks.z();
@@ -44,7 +44,7 @@ int choose_flow_ranks(const v1::Scene& scene, const RunOptions& options, const I
   if (!scene.flow().has_navier_stokes()) return 1;
   for (const Estimate& estimate : ask_for_estimate("flow-server", options.scene, options.settings, installation)) {
     if (estimate.name != "cells_active") continue;
-    return ranks_for_cells(estimate.value, static_cast<int>(std::thread::hardware_concurrency()));
+    return ranks_for_cells(estimate.value, n_cores);
   }
   return 1;
 }

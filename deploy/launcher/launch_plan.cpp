@@ -1,5 +1,6 @@
 #include "deploy/launcher/launch_plan.hpp"
 
+#include "deploy/launcher/hosts.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/scene/wording.hpp"
 
@@ -63,9 +64,25 @@ std::string listen_address(const v1::Scene& scene, const std::filesystem::path& 
   return scene.coupling().has_listen() ? scene.coupling().listen() : "ipc://" + (socket_folder / name).string();
 }
 
+/// Where Open MPI starts the ranks, and how it gets there.
+Words mpi_hosts(const v1::Hosts& hosts) {
+  std::string list;
+  for (const v1::FlowHost& host : hosts.flow())
+    list += (list.empty() ? "" : ",") + host.name() + ":" + std::to_string(host.slots());
+  Words words{"--host", list};
+  const std::string agent = mpi_agent(hosts);
+  if (!agent.empty()) add(words, {"--mca", "plm", "rsh", "--mca", "plm_rsh_agent", agent});
+  if (hosts.has_network()) {
+    add(words, {"--mca", "oob_tcp_if_include", hosts.network(), "--mca", "btl_tcp_if_include", hosts.network()});
+    add(words, {"--mca", "btl", "self,vader,tcp"});
+  }
+  return words;
+}
+
 /// --bind-to none and yielding: the default would put waiting and working processes on the same core.
-ProgramStart mpi_job(const Words& processes, const std::string& owner_of_time) {
+ProgramStart mpi_job(const Words& processes, const std::string& owner_of_time, const Words& where = {}) {
   Words command{"mpirun", "--oversubscribe", "--bind-to", "none", "--tag-output"};
+  add(command, where);
   add(command, processes);
   return {
       "mpirun",
@@ -76,26 +93,47 @@ ProgramStart mpi_job(const Words& processes, const std::string& owner_of_time) {
 }
 
 /// The same program, as often as there are ranks.
-ProgramStart on_ranks(int n_ranks, const ProgramStart& one) {
+ProgramStart on_ranks(int n_ranks, const ProgramStart& one, const Words& where = {}) {
   Words processes{"-n", std::to_string(n_ranks)};
   add(processes, one.command);
-  return mpi_job(processes, one.name);
+  return mpi_job(processes, one.name, where);
+}
+
+/// The flow server on all of its hosts, or a program on its only one.
+ProgramStart on_hosts(const ProgramStart& start, const RunOptions& options, const Installation& installation,
+                      const v1::Hosts& hosts) {
+  const std::string couplet = installation.program("couplet");
+  if (start.name == "solid-server") return on_host(hosts.solid().name(), start, hosts, couplet);
+  if (start.name == "coupler") return on_host(hosts.coupler().name(), start, hosts, couplet);
+  const bool is_mpi_job = options.flow_ranks > 1 || hosts.flow_size() > 1;
+  const ProgramStart flow = is_mpi_job ? on_ranks(options.flow_ranks, start, mpi_hosts(hosts)) : start;
+  return on_host(hosts.flow(0).name(), flow, hosts, couplet);
+}
+
+/// What the programs listen on where each has a host.
+std::string network_address(const std::string& name, const v1::Hosts& hosts) {
+  const auto at = [](const auto& host) { return "tcp://" + numeric_address(host.name(), host.address()) + ":*"; };
+  return name == "flow" ? at(hosts.flow(0)) : at(hosts.solid());
 }
 
 LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
-                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder) {
+                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder,
+                       const std::optional<v1::Hosts>& hosts) {
   LaunchPlan plan;
   plan.transport = "zmq";
   for (const std::string name : {"flow", "solid"}) {
     const std::string program = name + "-server";
     Words command{installation.program(program), "serve"};
     add(command, scene_arguments(options));
-    add(command, {"--listen", listen_address(scene, socket_folder, name)});
+    add(command, {"--listen", hosts ? network_address(name, *hosts) : listen_address(scene, socket_folder, name)});
     add(command, {"--heartbeat", scene::number_text(scene.coupling().heartbeat_deadline())});
     add(command, key_arguments(options));
     if (name == "solid") add(command, thread_arguments(options));
     ProgramStart server{program, command, {}, {}, {}};
-    if (name == "flow" && options.flow_ranks > 1) server = on_ranks(options.flow_ranks, server);
+    if (hosts)
+      server = on_hosts(server, options, installation, *hosts);
+    else if (name == "flow" && options.flow_ranks > 1)
+      server = on_ranks(options.flow_ranks, server);
     server.address_option = "--" + name;
     plan.servers.push_back(server);
   }
@@ -103,6 +141,7 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
   add(command, run_arguments(options, run_folder));
   add(command, key_arguments(options));
   plan.leader = {"coupler", command, {}, {}, {}};
+  if (hosts) plan.leader = on_hosts(plan.leader, options, installation, *hosts);
   return plan;
 }
 
@@ -121,16 +160,40 @@ LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
 }
 
 ProgramStart flow_alone(const RunOptions& options, const Installation& installation,
-                        const std::filesystem::path& run_folder) {
+                        const std::filesystem::path& run_folder, const std::optional<v1::Hosts>& hosts) {
   ProgramStart start = alone("flow-server", {}, options, installation, run_folder);
+  if (hosts) return on_hosts(start, options, installation, *hosts);
   if (options.flow_ranks > 1) start = on_ranks(options.flow_ranks, start);
   return start;
 }
 
+ProgramStart solid_alone(const RunOptions& options, const Installation& installation,
+                         const std::filesystem::path& run_folder, const std::optional<v1::Hosts>& hosts) {
+  const ProgramStart start = alone("solid-server", thread_arguments(options), options, installation, run_folder);
+  return hosts ? on_hosts(start, options, installation, *hosts) : start;
+}
+
+void check_hosts(const RunOptions& options, const v1::Hosts& hosts, const std::string& transport) {
+  if (transport == "mpi")
+    throw report::SceneError("--hosts", "across hosts the programs talk over ZeroMQ", "add --transport zmq");
+  if (options.flow_ranks > n_slots(hosts))
+    throw report::SceneError("--flow-ranks",
+                             std::to_string(options.flow_ranks) + " is more than the " +
+                                 std::to_string(n_slots(hosts)) + " slots of the hosts of the flow",
+                             "add hosts or slots to " + options.hosts.string());
+  if (transport == "zmq" && options.keys.empty())
+    throw report::SceneError("--hosts", "the programs talk over a network and have no keys",
+                             "make them once with `couplet keys DIR`, and add --keys DIR");
+}
+
 }  // namespace
 
-LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
-                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder) {
+LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& given, const Installation& installation,
+                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder,
+                       const std::optional<v1::Hosts>& hosts) {
+  RunOptions options = given;
+  if (hosts && options.solid_threads == 0 && hosts->solid().has_threads())
+    options.solid_threads = hosts->solid().threads();
   if (scene.has_flow() && options.flow_ranks > 1 && scene.flow().has_glottis()) {
     throw report::SceneError("--flow-ranks", "one-dimensional flow runs on one rank", "leave --flow-ranks out");
   }
@@ -139,15 +202,16 @@ LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const 
                              "name at least one of them");
   }
   if (!scene.has_flow()) {
-    return {{}, alone("solid-server", thread_arguments(options), options, installation, run_folder), {}};
+    return {{}, solid_alone(options, installation, run_folder, hosts), {}};
   }
-  if (!scene.has_solid()) return {{}, flow_alone(options, installation, run_folder), {}};
+  if (!scene.has_solid()) return {{}, flow_alone(options, installation, run_folder, hosts), {}};
   const std::string transport = choose_transport(scene, options);
+  if (hosts) check_hosts(options, *hosts, transport);
   if (transport == "mpi" && !options.keys.empty()) {
     throw report::SceneError("--keys", "MPI does not encrypt", "add --transport zmq, or leave --keys out");
   }
   return transport == "mpi" ? over_mpi(options, installation, run_folder)
-                            : over_zeromq(scene, options, installation, run_folder, socket_folder);
+                            : over_zeromq(scene, options, installation, run_folder, socket_folder, hosts);
 }
 
 }  // namespace couplet::launcher

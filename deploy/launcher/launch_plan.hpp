@@ -2,9 +2,11 @@
 // Which programs a scene needs, and with which arguments they are started. Nothing is started here.
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "couplet/v1/hosts.pb.h"
 #include "couplet/v1/scene.pb.h"
 #include "deploy/launcher/installation.hpp"
 #include "deploy/launcher/run_options.hpp"
@@ -17,6 +19,7 @@ struct ProgramStart {
   std::map<std::string, std::string> environment;  // added to that of the launcher
   std::string address_option;  // of a server that is reached by a socket: the leader takes its address with this option
   std::string owner_of_time;   // in an MPI job: the program that ends a run in good order when it is asked to
+  bool is_attended = false;    // behind a remote shell: signals travel as words (attendant.hpp)
 };
 
 struct LaunchPlan {
@@ -25,9 +28,10 @@ struct LaunchPlan {
   std::string transport;              // zmq, mpi; empty for a program on its own
 };
 
-/// `options.flow_ranks` is the number that was chosen. `socket_folder` is where local sockets may be made. Throws
-/// SceneError when scene and options contradict each other.
+/// `options.flow_ranks` is the number that was chosen. `socket_folder` is where local sockets may be made. Without
+/// hosts all programs run on this machine. Throws SceneError when scene, options and hosts contradict each other.
 LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
-                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder);
+                       const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder,
+                       const std::optional<v1::Hosts>& hosts = {});
 
 }  // namespace couplet::launcher

@@ -1,5 +1,6 @@
 #include "deploy/launcher/process_tree.hpp"
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -45,6 +46,15 @@ std::vector<ProcessState> process_tree(pid_t root) {
   std::vector<ProcessState> tree;
   add_tree(root, tree);
   return tree;
+}
+
+void signal_tree(pid_t root, int signal) {
+  for (const ProcessState& process : process_tree(root)) kill(process.pid, signal);
+}
+
+void signal_named(pid_t root, const std::string& name, int signal) {
+  for (const ProcessState& process : process_tree(root))
+    if (process.name == name) kill(process.pid, signal);
 }
 
 }  // namespace couplet::launcher

@@ -17,4 +17,9 @@ struct ProcessState {
 /// The process itself and all that descend from it; none when it has ended.
 std::vector<ProcessState> process_tree(pid_t root);
 
+/// Sends a signal to all of them.
+void signal_tree(pid_t root, int signal);
+/// To those of them that have this name.
+void signal_named(pid_t root, const std::string& name, int signal);
+
 }  // namespace couplet::launcher

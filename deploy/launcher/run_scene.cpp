@@ -4,10 +4,12 @@
 
 #include <cstdio>
 #include <ctime>
+#include <optional>
 
 #include "deploy/launcher/checked_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
 #include "deploy/launcher/flow_ranks.hpp"
+#include "deploy/launcher/hosts.hpp"
 #include "deploy/launcher/launch_plan.hpp"
 #include "deploy/launcher/restarts.hpp"
 #include "deploy/launcher/run_summary.hpp"
@@ -76,6 +78,19 @@ RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, bool i
   return supervisor.run_to_end();
 }
 
+void announce(const std::string& sentence, RunConsole& console) {
+  console.log("couplet", sentence);
+  console.show(sentence);
+}
+
+/// Those that can be reached; spare ones where others cannot.
+std::optional<v1::Hosts> reachable(const std::optional<v1::Hosts>& hosts, RunConsole& console) {
+  if (!hosts) return {};
+  return replace_lost(
+      *hosts, [&](const std::string& host) { return answers(host, *hosts); },
+      [&](const std::string& sentence) { announce(sentence, console); });
+}
+
 /// Whether it has been written.
 bool write_report(const store::RunFolder& folder, const Installation& installation, RunConsole& console) {
   const ProgramResult result =
@@ -93,19 +108,25 @@ int run_scene(const RunOptions& options) {
   const scene::SceneFile file = read_checked_scene(options.scene, options.settings);
   const SocketFolder sockets;
   const store::RunFolder folder = choose_folder(options);
+  std::optional<v1::Hosts> hosts;
+  if (!options.hosts.empty()) hosts = read_hosts(options.hosts);
   RunOptions chosen = options;
-  chosen.flow_ranks = choose_flow_ranks(file.scene, options, installation);
-  LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path());
+  chosen.flow_ranks = hosts ? choose_flow_ranks(file.scene, options, installation, n_slots(*hosts))
+                            : choose_flow_ranks(file.scene, options, installation);
+  LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path(), hosts);
   prepare_folder(folder, options);
   RunConsole console(folder.log(), options.quiet);
   console.show(file.scene.title() + "\n  results in " + folder.path.string());
+  hosts = reachable(hosts, console);
+  plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path(), hosts);
 
   Restarts restarts(chosen, folder);
   RunEnding ending = start_and_watch(plan, file.scene, options.restarts > 0, console);
   while (const auto next = restarts.after(judge(ending), ending.stop_requested)) {
-    console.show(judge(ending).sentence);
-    console.show("started again " + restarts.from_where());
-    plan = plan_launch(file.scene, *next, installation, folder.path, sockets.path());
+    announce(judge(ending).sentence, console);
+    announce("started again " + restarts.from_where(), console);
+    hosts = reachable(hosts, console);
+    plan = plan_launch(file.scene, *next, installation, folder.path, sockets.path(), hosts);
     ending = start_and_watch(plan, file.scene, true, console);
   }
   const Verdict verdict = restarts.settle(judge(ending));

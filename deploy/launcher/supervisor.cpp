@@ -28,6 +28,7 @@ Supervisor::Supervisor(RunConsole& console, Patience patience) : console_(consol
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&signals, signal);
   sigprocmask(SIG_BLOCK, &signals, &signals_before_);
+  signal(SIGPIPE, SIG_IGN);          // a terminal or a connection that is gone is no reason to leave a run alone
   prctl(PR_SET_CHILD_SUBREAPER, 1);  // a rank that outlives its mpirun becomes our child
   signal_file_ = signalfd(-1, &signals, SFD_NONBLOCK | SFD_CLOEXEC);
 }
@@ -112,9 +113,7 @@ void Supervisor::pass_on_stop_request() {
   const auto leader = std::find_if(programs_.begin(), programs_.end(), [](const Program& p) { return p.is_leader; });
   if (leader == programs_.end() || !leader->process.is_running()) return hurry();
   if (leader->name != "mpirun") return leader->process.send_signal(SIGTERM);
-  for (const ProcessState& process : process_tree(leader->process.pid())) {
-    if (process.name == leader->owner_of_time) kill(process.pid, SIGTERM);
-  }
+  leader->process.signal_named(leader->owner_of_time, SIGTERM);
 }
 
 void Supervisor::read_lines(Program& program) {
@@ -165,6 +164,7 @@ void Supervisor::note_frozen() {
   std::map<pid_t, Clock::time_point> still_frozen;
   for (const Program& program : programs_) {
     if (!program.process.is_running()) continue;
+    // Of another host nothing is known here: there a frozen program is found by its peers.
     for (const ProcessState& process : process_tree(program.process.pid())) {
       if (!process.is_frozen) continue;
       const auto known = frozen_since_.find(process.pid);
@@ -210,10 +210,8 @@ void Supervisor::signal_all(int signal) {
   for (Program& program : programs_) {
     if (!program.process.is_running()) continue;
     program.was_asked = true;
-    const auto tree = process_tree(program.process.pid());
-    program.process.send_signal(signal);
-    if (signal == SIGTERM) continue;  // mpirun passes it on in good order
-    for (const ProcessState& process : tree) kill(process.pid, signal);
+    // What mpirun is asked to end it ends in good order itself.
+    signal == SIGTERM ? program.process.send_signal(signal) : program.process.signal_tree(signal);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <regex>
 #include <set>
 
+#include "couplet/v1/hosts.pb.h"
 #include "couplet/v1/scene.pb.h"
 #include "proto/report/failure.hpp"
 #include "proto/scene/schema_reference.hpp"
@@ -73,6 +74,7 @@ std::string describe_schema(const std::string& message) {
   Language language;
   collect(*v1::Scene::descriptor(), "", language);
   if (message.empty()) return pages_from(*v1::Scene::descriptor(), language);
+  collect(*v1::Hosts::descriptor(), "file of hosts", language);
 
   const std::string package = v1::Scene::descriptor()->file()->package() + ".";
   const std::string wanted = message.starts_with(package) ? message.substr(package.size()) : message;

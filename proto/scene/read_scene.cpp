@@ -1,32 +1,13 @@
 #include "proto/scene/read_scene.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <sstream>
-
 #include "proto/report/failure.hpp"
 #include "proto/scene/apply_setting.hpp"
 #include "proto/scene/check_scene.hpp"
 #include "proto/scene/message_parser.hpp"
+#include "proto/scene/read_text.hpp"
 #include "proto/scene/relation_rules.hpp"
 
 namespace couplet::scene {
-
-namespace {
-
-std::string read_text(const std::filesystem::path& path) {
-  const std::string advice = "give the path of a scene, a text file such as scene.txtpb";
-  if (std::filesystem::is_directory(path)) throw report::FileError(path.string(), "is a folder", advice);
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw report::FileError(path.string(), std::string("cannot be read: ") + std::strerror(errno), advice);
-  return text.str();
-}
-
-}  // namespace
 
 ReadResult read_scene_text(const std::string& text, const std::filesystem::path& path,
                            const std::vector<std::string>& settings) {
@@ -49,7 +30,7 @@ ReadResult read_scene_text(const std::string& text, const std::filesystem::path&
 }
 
 ReadResult read_scene(const std::filesystem::path& path, const std::vector<std::string>& settings) {
-  return read_scene_text(read_text(path), path, settings);
+  return read_scene_text(read_text(path, "give the path of a scene, a text file such as scene.txtpb"), path, settings);
 }
 
 SceneFile load_scene(const std::filesystem::path& path, const std::vector<std::string>& settings) {

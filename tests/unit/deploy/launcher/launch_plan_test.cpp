@@ -30,12 +30,13 @@ class LaunchPlanTest : public testing::Test {
   }
 
   LaunchPlan plan() const {
-    return plan_launch(scene_, options_, {programs_, "/sources", "python3"}, "/run", "/sockets");
+    return plan_launch(scene_, options_, {programs_, "/sources", "python3"}, "/run", "/sockets", hosts_);
   }
 
   std::filesystem::path programs_;
   v1::Scene scene_;
   RunOptions options_;
+  std::optional<v1::Hosts> hosts_;
 };
 
 TEST_F(LaunchPlanTest, CoupledSceneNeedsTwoServersAndTheCoupler) {
@@ -141,6 +142,44 @@ TEST_F(LaunchPlanTest, EverySettingReachesEveryProgram) {
     EXPECT_THAT(start.command, Contains("time.step=1e-5")) << start.name;
     EXPECT_THAT(start.command, Contains("title=two words")) << start.name;
   }
+}
+
+TEST_F(LaunchPlanTest, ProgramsRunOnTheirHosts) {
+  std::ofstream(programs_ / "couplet") << "program";
+  scene_.mutable_flow()->mutable_navier_stokes();
+  scene_.mutable_solid();
+  options_.flow_ranks = 3;
+  options_.keys = "/my/keys";
+  v1::Hosts& hosts = hosts_.emplace();
+  hosts.set_network("10.0.0.0/24");
+  for (const char* name : {"a", "b"}) {
+    v1::FlowHost& host = *hosts.add_flow();
+    host.set_name(name), host.set_slots(2), host.set_address("10.0.0.1");
+  }
+  hosts.mutable_solid()->set_name("c"), hosts.mutable_solid()->set_address("10.0.0.3");
+  hosts.mutable_solid()->set_threads(7);
+  hosts.mutable_coupler()->set_name("c");
+  const LaunchPlan found = plan();
+  ASSERT_THAT(found.servers, SizeIs(2));
+  const auto& flow = found.servers[0].command;
+  EXPECT_THAT(std::vector(flow.begin(), flow.end() - 1), ElementsAre("ssh", "-o", "BatchMode=yes", "a"));
+  for (const char* part : {"attend 'mpirun'", "'--host' 'a:2,b:2'", "'-n' '3'",
+                           "'plm_rsh_agent' 'ssh -o BatchMode=yes'", "'btl_tcp_if_include' '10.0.0.0/24'",
+                           "'tcp://10.0.0.1:*'", "'--keys' '/my/keys'", "'OMPI_MCA_mpi_yield_when_idle=1'"})
+    EXPECT_THAT(flow.back(), HasSubstr(part));
+  EXPECT_THAT(found.servers[1].command.back(), HasSubstr("'tcp://10.0.0.3:*'"));
+  EXPECT_THAT(found.servers[1].command.back(), HasSubstr("'--threads' '7'"));
+  EXPECT_EQ(found.leader.command[3], "c");
+  EXPECT_EQ(found.leader.name, "coupler");
+
+  options_.flow_ranks = 5;
+  EXPECT_THROW(plan(), report::SceneError) << "there are four slots";
+  options_.flow_ranks = 3;
+  options_.transport = "mpi";
+  EXPECT_THROW(plan(), report::SceneError);
+  options_.transport = "";
+  options_.keys.clear();
+  EXPECT_THROW(plan(), report::SceneError);
 }
 
 TEST_F(LaunchPlanTest, KeysReachEveryProgram) {
