@@ -86,7 +86,11 @@ void add_verbs_that_run(CommandLine& line) {
   submit->add_flag("--dry-run", line.batch.dry_run, "write the job but do not submit it");
   submit->add_option("--partition", line.batch.partition, "partition of the site");
   submit->add_option("--time", line.batch.time_limit, "time limit, for example 02:00:00");
-  submit->add_option("--cpus", line.batch.cpus, "cores; default: flow ranks + solid threads")
+  submit->add_option("--nodes", line.batch.nodes, "nodes; of several the last one is for solid and coupler")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
+  submit->add_option("--network", line.batch.network, "network that the ranks of the flow use, as 10.0.0.0/24");
+  submit->add_option("--cpus", line.batch.cpus, "cores of each node; default: flow ranks + solid threads")
       ->check(CLI::PositiveNumber);
   submit->callback([&line] {
     line.action = [&line] {

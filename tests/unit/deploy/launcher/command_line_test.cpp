@@ -7,7 +7,6 @@
 
 #include <filesystem>
 
-#include "deploy/launcher/batch_job.hpp"
 #include "deploy/launcher/make_keys.hpp"
 #include "proto/report/failure.hpp"
 
@@ -51,19 +50,6 @@ TEST(CommandLine, NamesTheTransportsThereAre) {
 
 TEST(CommandLine, RefusesABenchmarkThatDoesNotExist) {
   EXPECT_THAT(refusal({"bench", "no-such-thing"}), HasSubstr("there is none of this name"));
-}
-
-TEST(BatchJob, QuotesEveryWordForTheShell) {
-  BatchOptions options;
-  options.run.scene = "/my scenes/scene.txtpb";
-  options.run.out = "/runs/it's mine";
-  options.run.settings = {"title=a $b `c`"};
-  const std::filesystem::path programs = std::filesystem::path(testing::TempDir()) / "batch_job_programs";
-  std::filesystem::create_directories(programs / "couplet");
-  const std::string text = batch_job_text(options, {programs, "/sources", "python3"});
-  EXPECT_THAT(text, HasSubstr("'/my scenes/scene.txtpb'"));
-  EXPECT_THAT(text, HasSubstr("'/runs/it'\\''s mine'"));
-  EXPECT_THAT(text, HasSubstr("'title=a $b `c`'"));
 }
 
 TEST(Keys, SecretKeysAreReadableByTheirOwnerOnlyAndNeverReplaced) {
