@@ -11,6 +11,7 @@ namespace couplet::launcher {
 namespace {
 
 constexpr int lost_program = 4, bug = 70;
+constexpr int lost_connection = 255;  // what ssh and its like end with when they lose a host
 
 /// The signal that ended a program, also behind a code above 128 as mpirun and shells report it; 0: none.
 int ending_signal(const ProgramEnding& end) {
@@ -42,6 +43,13 @@ Verdict killed(const ProgramEnding& end) {
           true};
 }
 
+Verdict parted(const ProgramEnding& end) {
+  return {lost_program,
+          "the connection to the host of " + end.program +
+              " was lost; what was written stays readable: run again, or continue from a checkpoint with --resume",
+          true};
+}
+
 Verdict in_its_own_words(const ProgramEnding& end) {
   const bool known = end.ending.code == 2 || end.ending.code == 3 || end.ending.code == 4 || end.ending.code == 5;
   const std::string words = end.last_words.empty() ? end.program + " ended with code " +
@@ -54,6 +62,7 @@ Verdict in_its_own_words(const ProgramEnding& end) {
 
 Verdict judge(const RunEnding& run) {
   if (const auto* end = find(run, [](const auto& e) { return ending_signal(e) != 0; })) return killed(*end);
+  if (const auto* end = find(run, [](const auto& e) { return e.ending.code == lost_connection; })) return parted(*end);
   const auto failed = [](const ProgramEnding& e) { return e.ending.code != 0 && e.ending.code != lost_program; };
   if (const auto* end = find(run, [&](const auto& e) { return e.is_leader && failed(e); }))
     return in_its_own_words(*end);

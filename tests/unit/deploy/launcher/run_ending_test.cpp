@@ -47,6 +47,13 @@ TEST(RunEnding, ACrashIsABugAndNotALostPeer) {
   EXPECT_THAT(verdict.sentence, HasSubstr("flow-server crashed"));
 }
 
+TEST(RunEnding, AHostThatIsGoneIsALoss) {
+  const Verdict verdict = judge({{ended("coupler", 4, "coupler: solid: lost"), ended("solid-server", 255)}, "", false});
+  EXPECT_EQ(verdict.exit_code, 4);
+  EXPECT_TRUE(verdict.is_loss);
+  EXPECT_THAT(verdict.sentence, HasSubstr("host of solid-server was lost"));
+}
+
 TEST(RunEnding, AProgramThatReportsItsFailureComesBeforeTheOneThatLostIt) {
   const Verdict verdict = judge({{ended("coupler", 4, "coupler: solid: the connection is gone"),
                                   ended("solid-server", 3, "solid-server: element 7 is inverted")},
