@@ -104,15 +104,14 @@ std::string numeric_address(const std::string& host, const std::string& address)
   return text.data();
 }
 
-ProgramStart on_host(const std::string& host, const ProgramStart& start, const v1::Hosts& hosts,
-                     const std::string& couplet) {
-  if (is_this_machine(host)) return start;
+ProgramStart through_remote_shell(const ProgramStart& start, const v1::Hosts& hosts, const std::string& couplet) {
+  if (start.host.empty() || is_this_machine(start.host)) return start;
   std::string command = "cd " + quoted(std::filesystem::current_path().string()) + " && exec env";
   for (const auto& [name, value] : start.environment) command += " " + quoted(name + "=" + value);
   command += " " + quoted(couplet) + " attend";
   for (const std::string& word : start.command) command += " " + quoted(word);
   ProgramStart there = start;
-  there.command = remote_command(host, command, hosts);
+  there.command = remote_command(start.host, command, hosts);
   there.environment.clear();
   there.is_attended = true;
   return there;

@@ -24,10 +24,9 @@ bool is_this_machine(const std::string& host);
 /// for. Throws SceneError when it stands for nothing.
 std::string numeric_address(const std::string& host, const std::string& address);
 
-/// A command of a plan, as it is started on a host by the remote shell; with its environment, in the launcher's own
+/// A program of a plan, as it is started on its host by the remote shell; with its environment, in the launcher's own
 /// working folder, and under an attendant that ends it when the connection breaks. On this machine it stays what it is.
-ProgramStart on_host(const std::string& host, const ProgramStart& start, const v1::Hosts& hosts,
-                     const std::string& couplet);
+ProgramStart through_remote_shell(const ProgramStart& start, const v1::Hosts& hosts, const std::string& couplet);
 
 /// What starts Open MPI's own helpers on other hosts; empty where the remote shell is none that it could use.
 std::string mpi_agent(const v1::Hosts& hosts);

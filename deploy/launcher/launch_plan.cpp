@@ -100,14 +100,13 @@ ProgramStart on_ranks(int n_ranks, const ProgramStart& one, const Words& where =
 }
 
 /// The flow server on all of its hosts, or a program on its only one.
-ProgramStart on_hosts(const ProgramStart& start, const RunOptions& options, const Installation& installation,
-                      const v1::Hosts& hosts) {
-  const std::string couplet = installation.program("couplet");
-  if (start.name == "solid-server") return on_host(hosts.solid().name(), start, hosts, couplet);
-  if (start.name == "coupler") return on_host(hosts.coupler().name(), start, hosts, couplet);
-  const bool is_mpi_job = options.flow_ranks > 1 || hosts.flow_size() > 1;
-  const ProgramStart flow = is_mpi_job ? on_ranks(options.flow_ranks, start, mpi_hosts(hosts)) : start;
-  return on_host(hosts.flow(0).name(), flow, hosts, couplet);
+ProgramStart on_hosts(const ProgramStart& start, const RunOptions& options, const v1::Hosts& hosts) {
+  const bool is_flow = start.name == "flow-server", is_mpi_job = options.flow_ranks > 1 || hosts.flow_size() > 1;
+  ProgramStart there = is_flow && is_mpi_job ? on_ranks(options.flow_ranks, start, mpi_hosts(hosts)) : start;
+  there.host = is_flow                        ? hosts.flow(0).name()
+               : start.name == "solid-server" ? hosts.solid().name()
+                                              : hosts.coupler().name();
+  return there;
 }
 
 /// What the programs listen on where each has a host.
@@ -131,7 +130,7 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
     if (name == "solid") add(command, thread_arguments(options));
     ProgramStart server{program, command, {}, {}, {}};
     if (hosts)
-      server = on_hosts(server, options, installation, *hosts);
+      server = on_hosts(server, options, *hosts);
     else if (name == "flow" && options.flow_ranks > 1)
       server = on_ranks(options.flow_ranks, server);
     server.address_option = "--" + name;
@@ -141,7 +140,7 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
   add(command, run_arguments(options, run_folder));
   add(command, key_arguments(options));
   plan.leader = {"coupler", command, {}, {}, {}};
-  if (hosts) plan.leader = on_hosts(plan.leader, options, installation, *hosts);
+  if (hosts) plan.leader = on_hosts(plan.leader, options, *hosts);
   return plan;
 }
 
@@ -162,7 +161,7 @@ LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
 ProgramStart flow_alone(const RunOptions& options, const Installation& installation,
                         const std::filesystem::path& run_folder, const std::optional<v1::Hosts>& hosts) {
   ProgramStart start = alone("flow-server", {}, options, installation, run_folder);
-  if (hosts) return on_hosts(start, options, installation, *hosts);
+  if (hosts) return on_hosts(start, options, *hosts);
   if (options.flow_ranks > 1) start = on_ranks(options.flow_ranks, start);
   return start;
 }
@@ -170,7 +169,7 @@ ProgramStart flow_alone(const RunOptions& options, const Installation& installat
 ProgramStart solid_alone(const RunOptions& options, const Installation& installation,
                          const std::filesystem::path& run_folder, const std::optional<v1::Hosts>& hosts) {
   const ProgramStart start = alone("solid-server", thread_arguments(options), options, installation, run_folder);
-  return hosts ? on_hosts(start, options, installation, *hosts) : start;
+  return hosts ? on_hosts(start, options, *hosts) : start;
 }
 
 void check_hosts(const RunOptions& options, const v1::Hosts& hosts, const std::string& transport) {

@@ -19,6 +19,7 @@ struct ProgramStart {
   std::map<std::string, std::string> environment;  // added to that of the launcher
   std::string address_option;  // of a server that is reached by a socket: the leader takes its address with this option
   std::string owner_of_time;   // in an MPI job: the program that ends a run in good order when it is asked to
+  std::string host = {};       // where it is to run; empty: on this machine
   bool is_attended = false;    // behind a remote shell: signals travel as words (attendant.hpp)
 };
 

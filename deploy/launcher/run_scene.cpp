@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <optional>
 
 #include "deploy/launcher/checked_scene.hpp"
@@ -62,19 +63,23 @@ void prepare_folder(const store::RunFolder& folder, const RunOptions& options) {
   std::filesystem::remove_all(folder.results(), ignored);
 }
 
-RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, bool is_replaced, RunConsole& console) {
+using Place = std::function<ProgramStart(const ProgramStart&)>;
+
+/// `place` says how a program is started where it is to run.
+RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, const Place& place, bool is_replaced,
+                          RunConsole& console) {
   Patience patience;
   patience.is_replaced = is_replaced;
   patience.frozen = std::chrono::duration<double>(scene.coupling().heartbeat_deadline());
   Supervisor supervisor(console, patience);
-  for (const ProgramStart& server : plan.servers) supervisor.start_server(server);
+  for (const ProgramStart& server : plan.servers) supervisor.start_server(place(server));
   ProgramStart leader = plan.leader;
   for (const ProgramStart& server : plan.servers) {
     const auto address = supervisor.wait_for_address(server.name);
     if (!address) return supervisor.end_all();
     leader.command.insert(leader.command.end(), {server.address_option, *address});
   }
-  supervisor.start_leader(leader);
+  supervisor.start_leader(place(leader));
   return supervisor.run_to_end();
 }
 
@@ -120,14 +125,17 @@ int run_scene(const RunOptions& options) {
   hosts = reachable(hosts, console);
   plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path(), hosts);
 
+  const Place place = [&](const ProgramStart& start) {
+    return hosts ? through_remote_shell(start, *hosts, installation.program("couplet")) : start;
+  };
   Restarts restarts(chosen, folder);
-  RunEnding ending = start_and_watch(plan, file.scene, options.restarts > 0, console);
+  RunEnding ending = start_and_watch(plan, file.scene, place, options.restarts > 0, console);
   while (const auto next = restarts.after(judge(ending), ending.stop_requested)) {
     announce(judge(ending).sentence, console);
     announce("started again " + restarts.from_where(), console);
     hosts = reachable(hosts, console);
     plan = plan_launch(file.scene, *next, installation, folder.path, sockets.path(), hosts);
-    ending = start_and_watch(plan, file.scene, true, console);
+    ending = start_and_watch(plan, file.scene, place, true, console);
   }
   const Verdict verdict = restarts.settle(judge(ending));
   settle_summary(folder, options.scene.string(), verdict, ending.stop_requested, restarts.n_restarts());

@@ -8,7 +8,7 @@ from pathlib import Path
 NETWORK = "10.77.213"  # .1, .2, ...
 MARK = f"couplet{os.getpid()}"  # of names, so that two tests do not meet
 SHELL = """#!/bin/bash
-# SHELL HOST COMMAND...: a command on another host. Options as those of ssh are passed over.
+# SHELL HOST COMMAND...: a command on another host. Options as those of ssh are passed over, words joined as ssh joins them.
 while [[ "$1" == -* ]]; do shift; done
 host=$1; shift
 exec ip netns exec "$host" unshare --uts bash -c "hostname $host; exec bash -c \\"\\$0\\"" "$*"

@@ -22,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 ChildProcess attended(const std::string& script) {
-  return {{"sh", {COUPLET_LAUNCHER, "attend", "sh", "-c", script}, {}, {}, {}, true}, {}};
+  return {{"sh", {COUPLET_LAUNCHER, "attend", "sh", "-c", script}, {}, {}, {}, {}, true}, {}};
 }
 
 /// Its exit code, once it has ended; -1 when that takes too long.

@@ -62,8 +62,8 @@ TEST(Hosts, AreReachedByTheRemoteShell) {
   v1::Hosts hosts = read(three);
   hosts.set_remote_shell("srun -w {host} bash -c {command}");
   EXPECT_EQ(mpi_agent(hosts), "") << "Open MPI could not use it";
-  ProgramStart start{"solid-server", {"/bin/solid server", "it's"}, {{"A", "1 2"}}, "--solid", {}};
-  const ProgramStart there = on_host("c", start, hosts, "/bin/couplet");
+  const ProgramStart start{"solid-server", {"/bin/solid server", "it's"}, {{"A", "1 2"}}, "--solid", {}, "c"};
+  const ProgramStart there = through_remote_shell(start, hosts, "/bin/couplet");
   ASSERT_EQ(there.command.size(), 6U);
   EXPECT_EQ(std::vector(there.command.begin(), there.command.end() - 1),
             (std::vector<std::string>{"srun", "-w", "c", "bash", "-c"}));
@@ -77,9 +77,9 @@ TEST(Hosts, AreReachedByTheRemoteShell) {
 TEST(Hosts, NeedNoRemoteShellOnThisMachine) {
   std::array<char, 256> own{};
   gethostname(own.data(), own.size() - 1);
-  const ProgramStart start{"coupler", {"coupler", "run"}, {}, {}, {}};
   for (const std::string& name : {std::string("localhost"), std::string(own.data())}) {
-    EXPECT_EQ(on_host(name, start, read(three), "couplet").command, start.command);
+    const ProgramStart start{"coupler", {"coupler", "run"}, {}, {}, {}, name};
+    EXPECT_EQ(through_remote_shell(start, read(three), "couplet").command, start.command);
     EXPECT_TRUE(answers(name, read(three)));
   }
 }

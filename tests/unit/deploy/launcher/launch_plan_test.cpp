@@ -20,6 +20,8 @@ using testing::IsEmpty;
 using testing::IsSupersetOf;
 using testing::SizeIs;
 
+using Words = std::vector<std::string>;
+
 class LaunchPlanTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -161,15 +163,14 @@ TEST_F(LaunchPlanTest, ProgramsRunOnTheirHosts) {
   hosts.mutable_coupler()->set_name("c");
   const LaunchPlan found = plan();
   ASSERT_THAT(found.servers, SizeIs(2));
-  const auto& flow = found.servers[0].command;
-  EXPECT_THAT(std::vector(flow.begin(), flow.end() - 1), ElementsAre("ssh", "-o", "BatchMode=yes", "a"));
-  for (const char* part : {"attend 'mpirun'", "'--host' 'a:2,b:2'", "'-n' '3'",
-                           "'plm_rsh_agent' 'ssh -o BatchMode=yes'", "'btl_tcp_if_include' '10.0.0.0/24'",
-                           "'tcp://10.0.0.1:*'", "'--keys' '/my/keys'", "'OMPI_MCA_mpi_yield_when_idle=1'"})
-    EXPECT_THAT(flow.back(), HasSubstr(part));
-  EXPECT_THAT(found.servers[1].command.back(), HasSubstr("'tcp://10.0.0.3:*'"));
-  EXPECT_THAT(found.servers[1].command.back(), HasSubstr("'--threads' '7'"));
-  EXPECT_EQ(found.leader.command[3], "c");
+  EXPECT_EQ(found.servers[0].host, "a");
+  EXPECT_EQ(found.servers[0].command.front(), "mpirun");
+  EXPECT_THAT(found.servers[0].command,
+              IsSupersetOf(Words{"--host", "a:2,b:2", "-n", "3", "plm_rsh_agent", "ssh -o BatchMode=yes",
+                                 "btl_tcp_if_include", "10.0.0.0/24", "tcp://10.0.0.1:*", "--keys", "/my/keys"}));
+  EXPECT_EQ(found.servers[1].host, "c");
+  EXPECT_THAT(found.servers[1].command, IsSupersetOf(Words{"tcp://10.0.0.3:*", "--threads", "7"}));
+  EXPECT_EQ(found.leader.host, "c");
   EXPECT_EQ(found.leader.name, "coupler");
 
   options_.flow_ranks = 5;
@@ -187,7 +188,7 @@ TEST_F(LaunchPlanTest, KeysReachEveryProgram) {
   scene_.mutable_solid();
   options_.keys = "/my/keys";
   for (const ProgramStart& start : {plan().servers[0], plan().servers[1], plan().leader}) {
-    EXPECT_THAT(start.command, IsSupersetOf({std::string("--keys"), std::string("/my/keys")})) << start.name;
+    EXPECT_THAT(start.command, IsSupersetOf(Words{"--keys", "/my/keys"})) << start.name;
   }
   options_.transport = "mpi";
   EXPECT_THROW(plan(), report::SceneError);
