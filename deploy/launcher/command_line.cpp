@@ -7,6 +7,7 @@
 
 #include "deploy/launcher/batch_job.hpp"
 #include "deploy/launcher/cases.hpp"
+#include "deploy/launcher/check_participant.hpp"
 #include "deploy/launcher/check_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
 #include "deploy/launcher/make_keys.hpp"
@@ -26,6 +27,7 @@ struct CommandLine {
   CLI::App app{"Couplet: fluid-structure interaction of soft tissue. SI units."};
   RunOptions run;
   BatchOptions batch;
+  ParticipantCheckOptions participant;
   Words reported;
   std::string outline;
   std::string message, keys;
@@ -48,6 +50,10 @@ void add_run_options(CLI::App& verb, RunOptions& run) {
   verb.add_option("--solid-threads", run.solid_threads, "threads of the solid server")->check(CLI::Range(1, 4096));
   verb.add_option("--transport", run.transport, "how the programs talk; default: as the scene says")
       ->check(CLI::IsMember({"mpi", "zmq"}));
+  verb.add_option("--flow", run.own_flow,
+                  "a program of your own in the place of flow-server, with its options in quotes")
+      ->type_name("COMMAND");
+  verb.add_option("--solid", run.own_solid, "a program of your own in the place of solid-server")->type_name("COMMAND");
   verb.add_option("--resume", run.resume, "run folder or checkpoint to continue from")->type_name("DIR");
   verb.add_option("--steps", run.steps, "stop after so many steps")->check(CLI::PositiveNumber);
   verb.add_flag("--quiet", run.quiet, "say nothing but what went wrong");
@@ -65,6 +71,24 @@ void add_verbs_that_run(CommandLine& line) {
   check->callback([&line] {
     line.action = [&line] {
       check_scene(line.run.scene, line.run.settings);
+      return 0;
+    };
+  });
+
+  CLI::App* participant = line.app.add_subcommand(
+      "check-participant", "whether a program of your own keeps to the protocol, a line for each rule");
+  participant->add_option("COMMAND", line.participant.command, "the program with its options, in quotes")->required();
+  participant->add_option("--scene", line.participant.scene, "scene that it opens; default: a coarse vocal fold")
+      ->type_name("SCENE");
+  participant->add_option("--set", line.participant.settings, "PATH=VALUE: change a field of that scene")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+  participant->add_option("--rule", line.participant.rules, "only rules that hold this text; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("TEXT");
+  participant->callback([&line] {
+    line.action = [&line] {
+      check_participant(line.participant);
       return 0;
     };
   });

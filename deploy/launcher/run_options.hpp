@@ -15,6 +15,7 @@ struct RunOptions {
   int flow_ranks = 0;                 // 0: as suits the scene and this machine
   int solid_threads = 0;              // 0: as the solid server chooses
   std::string transport;              // mpi, zmq; empty: as the scene says
+  std::string own_flow, own_solid;    // commands of the user's own programs in the place of our servers; empty: ours
   std::filesystem::path resume;       // run folder or checkpoint to continue from; empty: start at t = 0
   std::int64_t steps = 0;             // stop after so many steps; 0: at the end of the scene
   bool quiet = false;

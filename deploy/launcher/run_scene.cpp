@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <ctime>
+#include <map>
 
 #include "deploy/launcher/checked_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
@@ -74,6 +75,23 @@ RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, RunCon
   return supervisor.run_to_end();
 }
 
+/// What replaces flow or solid, by these names.
+std::map<std::string, std::string> own_programs(const RunOptions& options) {
+  std::map<std::string, std::string> commands;
+  if (!options.own_flow.empty()) commands["flow"] = options.own_flow;
+  if (!options.own_solid.empty()) commands["solid"] = options.own_solid;
+  return commands;
+}
+
+/// A failure of a run in which they take part names them.
+void name_own_programs(Verdict& verdict, const std::map<std::string, std::string>& own) {
+  if (verdict.exit_code == 0) return;
+  for (const auto& [name, command] : own) {
+    if (verdict.sentence.find(command) == std::string::npos)
+      verdict.sentence += " (" + name + " is the program \"" + command + "\")";
+  }
+}
+
 /// Whether it has been written.
 bool write_report(const store::RunFolder& folder, const Installation& installation, RunConsole& console) {
   const ProgramResult result =
@@ -92,15 +110,18 @@ int run_scene(const RunOptions& options) {
   const SocketFolder sockets;
   const store::RunFolder folder = choose_folder(options);
   RunOptions chosen = options;
-  chosen.flow_ranks = choose_flow_ranks(file.scene, options, installation);
+  if (options.own_flow.empty()) chosen.flow_ranks = choose_flow_ranks(file.scene, options, installation);
   const LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path());
   prepare_folder(folder, options);
   RunConsole console(folder.log(), options.quiet);
   console.show(file.scene.title() + "\n  results in " + folder.path.string());
+  const std::map<std::string, std::string> own = own_programs(options);
+  for (const auto& [name, command] : own) console.note(name + " is the program \"" + command + "\"");
 
   const RunEnding ending = start_and_watch(plan, file.scene, console);
-  const Verdict verdict = judge(ending);
-  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested);
+  Verdict verdict = judge(ending);
+  name_own_programs(verdict, own);
+  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested, own);
   const bool has_report = options.report && write_report(folder, installation, console);
 
   if (!options.quiet) std::printf("%s", summary_table(folder).c_str());

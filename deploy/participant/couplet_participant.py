@@ -88,7 +88,8 @@ class Participant:
         """options: what argparse has found."""
 
     def open(self, request):
-        """Builds the model and returns Opened."""
+        """Builds the model and returns Opened. With request.resume_from a ValueError, KeyError or EOFError means that this
+        checkpoint cannot be read."""
         raise NotImplementedError
 
     def solve_step(self, step, fields):
@@ -109,7 +110,7 @@ class Participant:
         """Completes files. Also called when the coupler is lost."""
 
 
-def as_failure(error, program):
+def as_failure(error):
     if isinstance(error, Failure):
         return error
     if isinstance(error, MemoryError):
@@ -117,7 +118,7 @@ def as_failure(error, program):
     if isinstance(error, OSError):
         return Failure("FILE", error.strerror or str(error), str(error.filename or ""), "check the path and its permissions")
     traceback.print_exception(error)
-    return Failure("BUG", f"{type(error).__name__}: {error}", program, "mend this program; log.txt holds the place")
+    return Failure("BUG", f"{type(error).__name__}: {error}", advice="mend that program; log.txt holds the place")
 
 
 def pack(reply, arrays):
@@ -209,7 +210,7 @@ class Session:
             self.state = next_state
             return pack(reply, arrays)
         except Exception as error:
-            failure = as_failure(error, self.program)
+            failure = as_failure(error)
             if body == "solve_step" and failure.kind == "NUMERICS":
                 self.state, self.step_failure = "opened", failure
                 return self.describe(request.sequence, failure)
@@ -234,7 +235,12 @@ class Session:
     def open_scene(self, request, arrays, reply):
         self.is_open = True  # one that fails in open is closed as well
         surface = surface_of(arrays, request.surface)
-        opened = self.participant.open(OpenRequest(request.scene, request.scene_folder, request.run_folder, request.resume_from, surface))
+        try:
+            opened = self.participant.open(OpenRequest(request.scene, request.scene_folder, request.run_folder, request.resume_from, surface))
+        except (ValueError, KeyError, EOFError) as error:
+            if not request.resume_from:
+                raise
+            raise Failure("FILE", f"cannot be continued from ({type(error).__name__}: {error})", request.resume_from, "resume from another checkpoint") from error
         self.needs, self.offers, self.n_nodes = list(opened.needs), list(opened.fields), len(opened.surface.node_position)
         reply.scene_ready.time = opened.time
         reply.scene_ready.needs.extend(self.needs)
@@ -382,7 +388,7 @@ def serve(kind, words=None):
     try:
         serve_one_session(kind, options, program)
     except Exception as error:
-        failure = as_failure(error, program)
+        failure = as_failure(error)
         print(f"{program}: {failure}", file=sys.stderr, flush=True)
         sys.exit(EXIT_CODES[failure.kind])
     sys.exit(0)

@@ -43,10 +43,7 @@ class LiquidColumn(Participant):
         self.time, self.state = 0.0, np.zeros((3, n_nodes, 3))  # displacement, velocity, force
         if request.resume_from:
             with open(request.resume_from, "rb") as file:
-                try:
-                    self.time, self.state = np.load(file), np.load(file)
-                except ValueError:
-                    raise Failure("FILE", "is not a checkpoint of this liquid", request.resume_from, "resume from another one") from None
+                self.time, self.state = np.load(file), np.load(file)
             if self.state.shape != (3, n_nodes, 3):
                 raise Failure("FILE", f"holds {self.state.shape[1]} nodes, the surface has {n_nodes}", request.resume_from,
                               "resume with the solid that it was written with")

@@ -73,10 +73,7 @@ class Wall(Participant):
         n_nodes, o = len(mass), self.options
         if request.resume_from:
             with open(request.resume_from, "rb") as file:
-                try:
-                    self.time, self.state = np.load(file), np.load(file)
-                except ValueError:
-                    raise Failure("FILE", "is not a checkpoint of this wall", request.resume_from, "resume from another one") from None
+                self.time, self.state = np.load(file), np.load(file)
             if self.state.shape != (2, n_nodes, 3):
                 raise Failure("FILE", f"holds {self.state.shape[1]} nodes, the wall has {n_nodes}", request.resume_from, "give the same --faces")
         else:
