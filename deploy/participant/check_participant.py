@@ -783,6 +783,10 @@ def main():
     parser.add_argument("--rule", action="append", default=[], help="only rules that hold this text")
     parser.add_argument("command", nargs="+", metavar="WORD", help="the program and its own options")
     options = parser.parse_args()
+    for text in options.rule:
+        if not any(text in sentence for sentence, _, _ in RULES):
+            print(f"couplet: check-participant: --rule {text}: no rule holds this text; without --rule all are listed", file=sys.stderr)
+            return COMMAND_LINE_WRONG
     scene = text_format.Parse(options.scene.read(), v1.OpenScene().scene)
     scene_file = Path(options.scene_file or options.scene.name).absolute()
     try:

@@ -58,6 +58,11 @@ class CheckTest(unittest.TestCase):
         self.assertEqual(len(errors.splitlines()), 1, errors)
         self.assertIn("/no/such/program", errors)
 
+    def test_a_rule_that_there_is_not_is_one_line(self):
+        code, lines, errors = check(str(PARTICIPANTS / "mass_spring_wall.py"), rule="colour")
+        self.assertEqual((code, lines), (2, []))
+        self.assertEqual(errors, "couplet: check-participant: --rule colour: no rule holds this text; without --rule all are listed\n")
+
     def test_what_follows_from_a_broken_rule_is_said_to_be_not_reached(self):
         code, lines, _ = check(str(HERE / "wrong_participant.py"), "ends-at-once", rule="checkpoint")
         self.assertEqual(code, 4)
