@@ -14,8 +14,8 @@ packages=(
   libassimp-dev
   # reports, studies and validation cases
   python3 python3-numpy python3-matplotlib python3-h5py python3-meshio
-  # programs of one's own that take part in a run
-  python3-zmq python3-protobuf
+  # programs of one's own that take part in a run; crc32c: the checksum of arrays, in hardware where there is some
+  python3-zmq python3-protobuf python3-crc32c
   # tests and checks
   libgtest-dev libgmock-dev clang-format hdf5-tools
 )

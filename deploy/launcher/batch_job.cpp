@@ -27,6 +27,8 @@ std::vector<std::string> run_command(const RunOptions& run, const Installation& 
   if (run.flow_ranks > 0) add("--flow-ranks", std::to_string(run.flow_ranks));
   if (run.solid_threads > 0) add("--solid-threads", std::to_string(run.solid_threads));
   if (!run.transport.empty()) add("--transport", run.transport);
+  if (!run.own_flow.empty()) add("--flow", run.own_flow);
+  if (!run.own_solid.empty()) add("--solid", run.own_solid);
   if (!run.resume.empty()) add("--resume", full_name(run.resume));
   if (run.steps > 0) add("--steps", std::to_string(run.steps));
   if (run.force) words.push_back("--force");

@@ -8,6 +8,7 @@
 #include "deploy/launcher/attendant.hpp"
 #include "deploy/launcher/batch_job.hpp"
 #include "deploy/launcher/cases.hpp"
+#include "deploy/launcher/check_participant.hpp"
 #include "deploy/launcher/check_scene.hpp"
 #include "deploy/launcher/external_program.hpp"
 #include "deploy/launcher/make_keys.hpp"
@@ -27,6 +28,7 @@ struct CommandLine {
   CLI::App app{"Couplet: fluid-structure interaction of soft tissue. SI units."};
   RunOptions run;
   BatchOptions batch;
+  ParticipantCheckOptions participant;
   Words reported;
   std::string outline;
   std::string message, keys;
@@ -53,6 +55,10 @@ void add_run_options(CLI::App& verb, RunOptions& run) {
       ->type_name("FILE");
   verb.add_option("--keys", run.keys, "folder made by `couplet keys`: the programs prove who they are and encrypt")
       ->type_name("DIR");
+  verb.add_option("--flow", run.own_flow,
+                  "a program of your own in the place of flow-server, with its options in quotes")
+      ->type_name("COMMAND");
+  verb.add_option("--solid", run.own_solid, "a program of your own in the place of solid-server")->type_name("COMMAND");
   verb.add_option("--resume", run.resume, "run folder or checkpoint to continue from")->type_name("DIR");
   verb.add_option("--steps", run.steps, "stop after so many steps")->check(CLI::PositiveNumber);
   verb.add_option(
@@ -75,6 +81,24 @@ void add_verbs_that_run(CommandLine& line) {
   check->callback([&line] {
     line.action = [&line] {
       check_scene(line.run.scene, line.run.settings);
+      return 0;
+    };
+  });
+
+  CLI::App* participant = line.app.add_subcommand(
+      "check-participant", "whether a program of your own keeps to the protocol, a line for each rule");
+  participant->add_option("COMMAND", line.participant.command, "the program with its options, in quotes")->required();
+  participant->add_option("--scene", line.participant.scene, "scene that it opens; default: a coarse vocal fold")
+      ->type_name("SCENE");
+  participant->add_option("--set", line.participant.settings, "PATH=VALUE: change a field of that scene")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUE");
+  participant->add_option("--rule", line.participant.rules, "only rules that hold this text; may be given again")
+      ->allow_extra_args(false)
+      ->type_name("TEXT");
+  participant->callback([&line] {
+    line.action = [&line] {
+      check_participant(line.participant);
       return 0;
     };
   });

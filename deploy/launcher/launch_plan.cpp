@@ -1,6 +1,7 @@
 #include "deploy/launcher/launch_plan.hpp"
 
 #include "deploy/launcher/hosts.hpp"
+#include "deploy/launcher/own_program.hpp"
 #include "proto/report/failure.hpp"
 #include "proto/scene/wording.hpp"
 
@@ -115,6 +116,20 @@ std::string network_address(const std::string& name, const v1::Hosts& hosts) {
   return name == "flow" ? at(hosts.flow(0)) : at(hosts.solid());
 }
 
+/// What any program can be expected to know: serve --listen ADDRESS SCENE. The rest is added where the scene asks for
+/// it.
+ProgramStart own_program(const std::string& name, const std::string& text, const std::string& address,
+                         const v1::Scene& scene, const RunOptions& options, const Installation& installation) {
+  Words command = split_command("--" + name, text);
+  add(command, {"serve", "--listen", address});
+  if (scene.coupling().has_heartbeat_deadline())
+    add(command, {"--heartbeat", scene::number_text(scene.coupling().heartbeat_deadline())});
+  if (!options.keys.empty())
+    add(command, {"--key", (std::filesystem::absolute(options.keys) / (name + "-server.key")).string()});
+  add(command, {options.scene.string()});
+  return {name + " \"" + text + "\"", command, own_program_environment(installation), {}, {}, true};
+}
+
 LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const Installation& installation,
                        const std::filesystem::path& run_folder, const std::filesystem::path& socket_folder,
                        const std::optional<v1::Hosts>& hosts) {
@@ -122,9 +137,17 @@ LaunchPlan over_zeromq(const v1::Scene& scene, const RunOptions& options, const 
   plan.transport = "zmq";
   for (const std::string name : {"flow", "solid"}) {
     const std::string program = name + "-server";
+    const std::string address = hosts ? network_address(name, *hosts) : listen_address(scene, socket_folder, name);
+    const std::string& own = name == "flow" ? options.own_flow : options.own_solid;
+    if (!own.empty()) {
+      plan.servers.push_back(own_program(name, own, address, scene, options, installation));
+      plan.servers.back().address_option = "--" + name;
+      if (hosts) plan.servers.back().host = name == "flow" ? hosts->flow(0).name() : hosts->solid().name();
+      continue;
+    }
     Words command{installation.program(program), "serve"};
     add(command, scene_arguments(options));
-    add(command, {"--listen", hosts ? network_address(name, *hosts) : listen_address(scene, socket_folder, name)});
+    add(command, {"--listen", address});
     add(command, {"--heartbeat", scene::number_text(scene.coupling().heartbeat_deadline())});
     add(command, key_arguments(options));
     if (name == "solid") add(command, thread_arguments(options));
@@ -156,6 +179,30 @@ LaunchPlan over_mpi(const RunOptions& options, const Installation& installation,
   add(processes, scene_arguments(options));
   add(processes, thread_arguments(options));
   return {{}, mpi_job(processes, "coupler"), "mpi"};
+}
+
+/// Programs of the user's own take part in coupled runs over ZeroMQ, and have their own options.
+void check_own_programs(const v1::Scene& scene, const RunOptions& options) {
+  if (options.own_flow.empty() && options.own_solid.empty()) return;
+  const std::string option = options.own_solid.empty() ? "--flow" : "--solid";
+  if (!scene.has_flow() || !scene.has_solid()) {
+    throw report::SceneError(option,
+                             std::string("the scene has no ") + (scene.has_flow() ? "solid" : "flow") +
+                                 ", so nothing would be coupled with this program",
+                             "take a scene with both");
+  }
+  if (choose_transport(scene, options) == "mpi") {
+    throw report::SceneError(option, "a program of your own is reached over ZeroMQ, not inside an MPI job",
+                             options.transport.empty() ? "add --transport zmq" : "leave --transport mpi out");
+  }
+  if (!options.own_flow.empty() && options.flow_ranks > 1) {
+    throw report::SceneError("--flow-ranks", "is for flow-server, which --flow replaces",
+                             "let the command start its own ranks, for example --flow \"mpirun -n 2 my_flow\"");
+  }
+  if (!options.own_solid.empty() && options.solid_threads > 0) {
+    throw report::SceneError("--solid-threads", "is for solid-server, which --solid replaces",
+                             "give the number of threads in the command");
+  }
 }
 
 ProgramStart flow_alone(const RunOptions& options, const Installation& installation,
@@ -200,6 +247,7 @@ LaunchPlan plan_launch(const v1::Scene& scene, const RunOptions& given, const In
     throw report::SceneError(options.scene.string(), "the scene has neither flow nor solid",
                              "name at least one of them");
   }
+  check_own_programs(scene, given);
   if (!scene.has_flow()) {
     return {{}, solid_alone(options, installation, run_folder, hosts), {}};
   }

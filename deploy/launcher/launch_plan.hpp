@@ -14,11 +14,13 @@
 namespace couplet::launcher {
 
 struct ProgramStart {
-  std::string name;  // flow-server, solid-server, coupler; mpirun for several processes in one job
+  std::string name;  // flow-server, solid-server, coupler; mpirun for several processes in one job;
+                     // solid "COMMAND" for a program of the user's own
   std::vector<std::string> command;
   std::map<std::string, std::string> environment;  // added to that of the launcher
   std::string address_option;  // of a server that is reached by a socket: the leader takes its address with this option
   std::string owner_of_time;   // in an MPI job: the program that ends a run in good order when it is asked to
+  bool is_own = false;         // a program of the user's own
   std::string host = {};       // where it is to run; empty: on this machine
   bool is_attended = false;    // behind a remote shell: signals travel as words (attendant.hpp)
 };

@@ -28,6 +28,11 @@ void RunConsole::log(const std::string& program, const std::string& line) {
   log_ << text << ' ' << program << ' ' << line << std::endl;
 }
 
+void RunConsole::note(const std::string& line) {
+  log("couplet", line);
+  show("  " + line);
+}
+
 void RunConsole::show(const std::string& line) {
   if (quiet_) return;
   end_update();

@@ -17,6 +17,8 @@ class RunConsole {
   bool shows_terminal() const { return is_terminal_ && !quiet_; }
 
   void log(const std::string& program, const std::string& line);
+  /// A line that stays, and is logged.
+  void note(const std::string& line);
   /// A line that stays.
   void show(const std::string& line);
   /// A line that the next one overwrites; without a terminal one every ten seconds.

@@ -34,6 +34,7 @@ Verdict killed(const ProgramEnding& end) {
   const std::string how = " (signal " + std::to_string(signal) + ", " + strsignal(signal) + ")";
   constexpr std::array faults{SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
   if (std::find(faults.begin(), faults.end(), signal) != faults.end()) {
+    if (end.is_own) return {lost_program, who + " crashed" + how + "; log.txt holds what it said", true};
     return {bug, who + " crashed" + how + "; this is a fault of Couplet: please report it with log.txt and the scene",
             true};
   }
@@ -50,7 +51,18 @@ Verdict parted(const ProgramEnding& end) {
           true};
 }
 
+/// What Couplet does not know may end with any code.
+Verdict of_own_program(const ProgramEnding& end) {
+  constexpr std::array promised{2, 3, lost_program, 5, bug};
+  const int code = end.ending.code;
+  const bool known = std::find(promised.begin(), promised.end(), code) != promised.end();
+  const std::string words = end.last_words.empty() ? "; log.txt holds what it said" : ": " + end.last_words;
+  return {known ? code : lost_program, end.program + " ended with code " + std::to_string(code) + words,
+          code == lost_program};
+}
+
 Verdict in_its_own_words(const ProgramEnding& end) {
+  if (end.is_own) return of_own_program(end);
   const bool known = end.ending.code == 2 || end.ending.code == 3 || end.ending.code == 4 || end.ending.code == 5;
   const std::string words = end.last_words.empty() ? end.program + " ended with code " +
                                                          std::to_string(end.ending.code) + "; log.txt says more"

@@ -14,6 +14,7 @@ struct ProgramEnding {
   bool is_leader = false;
   bool was_asked = false;  // the launcher had told it to end before
   std::string last_words;  // its last line on standard error
+  bool is_own = false;     // a program of the user's own
 };
 
 struct RunEnding {

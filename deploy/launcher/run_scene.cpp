@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <map>
 #include <optional>
 
 #include "deploy/launcher/checked_scene.hpp"
@@ -83,17 +84,29 @@ RunEnding start_and_watch(const LaunchPlan& plan, const v1::Scene& scene, const 
   return supervisor.run_to_end();
 }
 
-void announce(const std::string& sentence, RunConsole& console) {
-  console.log("couplet", sentence);
-  console.show(sentence);
-}
-
 /// Those that can be reached; spare ones where others cannot.
 std::optional<v1::Hosts> reachable(const std::optional<v1::Hosts>& hosts, RunConsole& console) {
   if (!hosts) return {};
   return replace_lost(
       *hosts, [&](const std::string& host) { return answers(host, *hosts); },
-      [&](const std::string& sentence) { announce(sentence, console); });
+      [&](const std::string& sentence) { console.note(sentence); });
+}
+
+/// What replaces flow or solid, by these names.
+std::map<std::string, std::string> own_programs(const RunOptions& options) {
+  std::map<std::string, std::string> commands;
+  if (!options.own_flow.empty()) commands["flow"] = options.own_flow;
+  if (!options.own_solid.empty()) commands["solid"] = options.own_solid;
+  return commands;
+}
+
+/// A failure of a run in which they take part names them.
+void name_own_programs(Verdict& verdict, const std::map<std::string, std::string>& own) {
+  if (verdict.exit_code == 0) return;
+  for (const auto& [name, command] : own) {
+    if (verdict.sentence.find(command) == std::string::npos)
+      verdict.sentence += " (" + name + " is the program \"" + command + "\")";
+  }
 }
 
 /// Whether it has been written.
@@ -116,8 +129,10 @@ int run_scene(const RunOptions& options) {
   std::optional<v1::Hosts> hosts;
   if (!options.hosts.empty()) hosts = read_hosts(options.hosts);
   RunOptions chosen = options;
-  chosen.flow_ranks = hosts ? choose_flow_ranks(file.scene, options, installation, n_slots(*hosts))
-                            : choose_flow_ranks(file.scene, options, installation);
+  if (options.own_flow.empty()) {
+    chosen.flow_ranks = hosts ? choose_flow_ranks(file.scene, options, installation, n_slots(*hosts))
+                              : choose_flow_ranks(file.scene, options, installation);
+  }
   LaunchPlan plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path(), hosts);
   prepare_folder(folder, options);
   RunConsole console(folder.log(), options.quiet);
@@ -125,20 +140,24 @@ int run_scene(const RunOptions& options) {
   hosts = reachable(hosts, console);
   plan = plan_launch(file.scene, chosen, installation, folder.path, sockets.path(), hosts);
 
+  const std::map<std::string, std::string> own = own_programs(options);
+  for (const auto& [name, command] : own) console.note(name + " is the program \"" + command + "\"");
+
   const Place place = [&](const ProgramStart& start) {
     return hosts ? through_remote_shell(start, *hosts, installation.program("couplet")) : start;
   };
   Restarts restarts(chosen, folder);
   RunEnding ending = start_and_watch(plan, file.scene, place, options.restarts > 0, console);
   while (const auto next = restarts.after(judge(ending), ending.stop_requested)) {
-    announce(judge(ending).sentence, console);
-    announce("started again " + restarts.from_where(), console);
+    console.note(judge(ending).sentence);
+    console.note("started again " + restarts.from_where());
     hosts = reachable(hosts, console);
     plan = plan_launch(file.scene, *next, installation, folder.path, sockets.path(), hosts);
     ending = start_and_watch(plan, file.scene, place, true, console);
   }
-  const Verdict verdict = restarts.settle(judge(ending));
-  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested, restarts.n_restarts());
+  Verdict verdict = restarts.settle(judge(ending));
+  name_own_programs(verdict, own);
+  settle_summary(folder, options.scene.string(), verdict, ending.stop_requested, restarts.n_restarts(), own);
   const bool has_report = options.report && write_report(folder, installation, console);
 
   if (!options.quiet) std::printf("%s", summary_table(folder).c_str());

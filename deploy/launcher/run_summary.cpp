@@ -40,23 +40,30 @@ std::string quantity_line(const std::string& name, const Json& quantity) {
   return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
 }
 
-}  // namespace
-
-void settle_summary(const store::RunFolder& folder, const std::string& scene, const Verdict& verdict,
-                    bool stop_requested, int n_restarts) {
-  Json summary = read_summary(folder);
+/// The status, unless the program that owned time has said the same.
+void settle_status(Json& summary, const std::string& scene, const Verdict& verdict, bool stop_requested) {
   const std::string wanted = verdict.exit_code != 0 ? "failed" : stop_requested ? "stopped" : "finished";
   const std::string found = summary.value("status", "");
   const bool is_right = verdict.exit_code == 0 ? !found.empty() && found != "failed"
                                                : found == wanted && summary.value("failure", "") == verdict.sentence;
-  if (is_right && n_restarts == 0) return;
-  if (!is_right) summary["status"] = wanted;
+  if (is_right) return;
+  summary["status"] = wanted;
   if (verdict.exit_code != 0) summary["failure"] = verdict.sentence;
-  if (n_restarts > 0) summary["restarts"] = n_restarts;
   if (!summary.contains("scene")) summary["scene"] = scene;
   if (!summary.contains("version")) summary["version"] = report::version();
   if (!summary.contains("commit")) summary["commit"] = report::commit();
-  store::write_file(folder.summary(), summary.dump(2) + "\n");
+}
+
+}  // namespace
+
+void settle_summary(const store::RunFolder& folder, const std::string& scene, const Verdict& verdict,
+                    bool stop_requested, int n_restarts, const std::map<std::string, std::string>& own_programs) {
+  Json summary = read_summary(folder);
+  const Json before = summary;
+  if (!own_programs.empty()) summary["own_programs"] = own_programs;
+  if (n_restarts > 0) summary["restarts"] = n_restarts;
+  settle_status(summary, scene, verdict, stop_requested);
+  if (summary != before) store::write_file(folder.summary(), summary.dump(2) + "\n");
 }
 
 std::string summary_table(const store::RunFolder& folder) {
@@ -66,6 +73,9 @@ std::string summary_table(const store::RunFolder& folder) {
   if (summary.contains("end_time")) text += " to t = " + number(summary["end_time"].get<double>()) + " s";
   if (summary.contains("wall_seconds")) text += " in " + number(summary["wall_seconds"].get<double>(), "%.3g") + " s";
   text += "\n";
+  const Json own_programs = summary.value("own_programs", Json::object());
+  for (const auto& [name, command] : own_programs.items())
+    text += "  " + name + " is " + command.get<std::string>() + "\n";
   const Json quantities = summary.value("quantities", Json::object());
   for (const auto& [name, quantity] : quantities.items()) text += quantity_line(name, quantity);
   return text;

@@ -40,14 +40,15 @@ Supervisor::~Supervisor() {
 }
 
 void Supervisor::start_server(const ProgramStart& start) {
-  programs_.push_back({start.name, start.owner_of_time, ChildProcess(start, {}), false, {}, {}});
+  programs_.push_back({start.name, start.owner_of_time, ChildProcess(start, {}), false, start.is_own, {}, {}});
 }
 
 void Supervisor::start_leader(const ProgramStart& start) {
   // Behind mpirun there are pipes: there the program is told that somebody watches.
   const bool as_terminal = console_.shows_terminal() && start.name != "mpirun";
   if (console_.shows_terminal() && start.name == "mpirun") setenv("COUPLET_PROGRESS_UPDATES", "1", 1);
-  programs_.push_back({start.name, start.owner_of_time, ChildProcess(start, {as_terminal, as_terminal}), true, {}, {}});
+  programs_.push_back(
+      {start.name, start.owner_of_time, ChildProcess(start, {as_terminal, as_terminal}), true, false, {}, {}});
 }
 
 std::optional<std::string> Supervisor::wait_for_address(const std::string& server) {
@@ -62,7 +63,13 @@ std::optional<std::string> Supervisor::wait_for_address(const std::string& serve
     }
     watch_once();
   }
-  return program->address.empty() ? std::nullopt : std::optional(program->address);
+  if (!program->address.empty()) return program->address;
+  for (const Program& other : programs_) {
+    const auto& end = other.process.ending();
+    if (other.address.empty() && end && !end->by_signal && end->code == 0 && !ending_.stop_requested)
+      give_up(other.name + " ended before it said where it listens, by a line `listening ADDRESS`");
+  }
+  return std::nullopt;
 }
 
 RunEnding Supervisor::run_to_end() {
@@ -134,6 +141,10 @@ void Supervisor::hear(Program& program, OutputLine line, bool is_error) {
   console_.log(speaker, line.text);
   const std::string greeting = "listening ";
   if (!is_error && line.text.starts_with(greeting)) program.address = line.text.substr(greeting.size());
+  if (program.is_own) {
+    if (is_error) program.last_words = line.text;
+    return;
+  }
   if (is_last_word(line.text)) {
     // Said at the end of the run, after everything else. Of an MPI job the coupler's word counts.
     if (program.last_words.empty() || speaker == program.name || speaker == "rank 0") program.last_words = line.text;
@@ -149,7 +160,8 @@ void Supervisor::note_endings() {
     if (program.process.is_running()) continue;
     read_lines(program);
     const Ending end = *program.process.ending();
-    ending_.endings.push_back({program.name, end, program.is_leader, program.was_asked, program.last_words});
+    ending_.endings.push_back(
+        {program.name, end, program.is_leader, program.was_asked, program.last_words, program.is_own});
     console_.log("couplet", program.name + (end.by_signal ? " was ended by signal " : " ended with code ") +
                                 std::to_string(end.code));
     if (program.is_leader || end.by_signal || end.code != 0) first_loss_ = first_loss_.value_or(Clock::now());

@@ -50,6 +50,7 @@ class Supervisor {
     std::string owner_of_time;
     ChildProcess process;
     bool is_leader;
+    bool is_own;
     std::string address;
     std::string last_words;
     bool was_asked = false;

@@ -132,6 +132,56 @@ TEST_F(LaunchPlanTest, FlowRanksAreThoseOfTheBlocksThenOfTheUserThenOfTheCells) 
   EXPECT_EQ(choose_flow_ranks(glottis, {}, installation), 1);
 }
 
+TEST_F(LaunchPlanTest, AProgramOfTheUsersOwnTakesThePlaceOfAServer) {
+  scene_.mutable_flow();
+  scene_.mutable_solid();
+  options_.settings = {"time.step=1e-5"};
+  options_.own_solid = "env 'two words' --stiffness 5";
+  const LaunchPlan found = plan();
+  ASSERT_THAT(found.servers, SizeIs(2));
+  EXPECT_EQ(found.servers[0].name, "flow-server");
+  EXPECT_FALSE(found.servers[0].is_own);
+  EXPECT_EQ(found.servers[1].name, "solid \"env 'two words' --stiffness 5\"");
+  EXPECT_TRUE(found.servers[1].is_own);
+  EXPECT_EQ(found.servers[1].address_option, "--solid");
+  EXPECT_THAT(found.servers[1].command, ElementsAre("env", "two words", "--stiffness", "5", "serve", "--listen",
+                                                    "ipc:///sockets/solid", "scene.txtpb"));
+  EXPECT_THAT(found.servers[1].environment.at("PYTHONPATH"), HasSubstr("/sources/deploy/participant"));
+  scene_.mutable_coupling()->set_listen("tcp://10.0.0.5:*");
+  scene_.mutable_coupling()->set_heartbeat_deadline(3);
+  EXPECT_THAT(plan().servers[1].command,
+              ElementsAre("env", "two words", "--stiffness", "5", "serve", "--listen", "tcp://10.0.0.5:*",
+                          "--heartbeat", "3", "--allow-remote", "scene.txtpb"));
+}
+
+TEST_F(LaunchPlanTest, AProgramOfTheUsersOwnNeedsACoupledSceneAndSockets) {
+  const auto refusal = [this] {
+    try {
+      plan();
+    } catch (const report::SceneError& error) {
+      return std::string(error.what());
+    }
+    return std::string("not refused");
+  };
+  options_.own_flow = "env";
+  scene_.mutable_flow();
+  EXPECT_THAT(refusal(), HasSubstr("--flow: the scene has no solid"));
+  scene_.mutable_solid();
+  scene_.mutable_coupling()->set_transport(v1::MPI);
+  EXPECT_THAT(refusal(), HasSubstr("--flow: a program of your own is reached over ZeroMQ"));
+  options_.transport = "zmq";
+  options_.flow_ranks = 2;
+  EXPECT_THAT(refusal(), HasSubstr("--flow-ranks: is for flow-server"));
+  options_.flow_ranks = 0;
+  EXPECT_EQ(refusal(), "not refused");
+  options_.own_flow = "no_such_program_anywhere";
+  EXPECT_THAT(refusal(), HasSubstr("there is no program no_such_program_anywhere"));
+  options_.own_flow = "env | env";
+  EXPECT_THAT(refusal(), HasSubstr("is not a program with its options"));
+  options_.own_flow = "env $COUPLET_NO_SUCH_VARIABLE";
+  EXPECT_THAT(refusal(), HasSubstr("has no value"));
+}
+
 TEST_F(LaunchPlanTest, SceneWithNeitherFlowNorSolidIsRefused) {
   EXPECT_THROW(plan(), report::SceneError);
 }

@@ -71,6 +71,21 @@ TEST(RunEnding, TheCouplersWordsComeFirstWhenAllReportTheSameFailure) {
   EXPECT_EQ(verdict.sentence, "coupler: t = 0.01 s: diverged; use a smaller step");
 }
 
+TEST(RunEnding, AProgramOfTheUsersOwnIsNoBugOfCouplet) {
+  ProgramEnding own = ended("solid \"./mine\"", 1, "ImportError: no module named numpy");
+  own.is_own = true;
+  const ProgramEnding lost = ended("coupler", 4, "coupler: solid: lost");
+  Verdict verdict = judge({{own, lost}, "", false});
+  EXPECT_EQ(verdict.exit_code, 4);
+  EXPECT_EQ(verdict.sentence, "solid \"./mine\" ended with code 1: ImportError: no module named numpy");
+  own.ending = {false, 5};
+  EXPECT_EQ(judge({{own, lost}, "", false}).exit_code, 5);
+  own.ending = {true, SIGSEGV};
+  verdict = judge({{own, lost}, "", false});
+  EXPECT_EQ(verdict.exit_code, 4);
+  EXPECT_THAT(verdict.sentence, HasSubstr("solid \"./mine\" crashed (signal 11"));
+}
+
 TEST(RunEnding, AProgramThatDoesNotMoveIsLost) {
   const Verdict verdict =
       judge({{asked(killed("coupler", SIGKILL)), asked(killed("flow-server", SIGTERM))}, "coupler was stopped", false});

@@ -54,6 +54,27 @@ TEST_F(SupervisorTest, AServerThatEndsBeforeItListensEndsTheRunWithItsCode) {
   EXPECT_EQ(verdict.sentence, "flow-server: no such scene");
 }
 
+TEST_F(SupervisorTest, AServerThatEndsWellButNeverListensIsLost) {
+  Supervisor supervisor(console_, patience_);
+  supervisor.start_server(script("flow-server", "exec sleep 60"));
+  supervisor.start_server(script("solid \"true\"", "exit 0"));
+  EXPECT_EQ(supervisor.wait_for_address("flow-server"), std::nullopt);
+  const Verdict verdict = judge(supervisor.end_all());
+  EXPECT_EQ(verdict.exit_code, 4);
+  EXPECT_THAT(verdict.sentence, HasSubstr("solid \"true\" ended before it said where it listens"));
+}
+
+TEST_F(SupervisorTest, TheLastWordsOfAProgramOfTheUsersOwnAreItsLastLineOfErrors) {
+  Supervisor supervisor(console_, patience_);
+  ProgramStart own = script("solid \"x\"", "echo first >&2; echo why >&2; echo listening; exit 1");
+  own.is_own = true;
+  supervisor.start_server(own);
+  const RunEnding ending = supervisor.run_to_end();
+  ASSERT_EQ(ending.endings.size(), 1u);
+  EXPECT_EQ(ending.endings[0].last_words, "why");
+  EXPECT_EQ(judge(ending).exit_code, 4);
+}
+
 TEST_F(SupervisorTest, EndsServersThatOutliveTheLeader) {
   Supervisor supervisor(console_, patience_);
   supervisor.start_server(script("flow-server", "exec sleep 60"));
