@@ -13,7 +13,7 @@ namespace couplet::coupling {
 struct QuasiNewtonOptions {
   Eigen::Index columns_max = 50;           // most differences kept
   int steps_reused = 10;                   // earlier steps whose differences are kept
-  double filter = 1e-5;                    // dependent columns are dropped below this
+  double filter = 1e-3;                    // dependent columns are dropped below this
   std::optional<double> first_relaxation;  // chosen from the differences when absent
 };
 
