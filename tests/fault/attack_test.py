@@ -15,7 +15,7 @@ from pathlib import Path
 
 import zmq
 
-from run_under_test import SCENE, SETTINGS, TOP, Run
+from run_under_test import SCENE, SETTINGS, TOP, Run, interrupt
 
 COUPLET = os.environ["COUPLET"]
 PROGRAMS = Path(COUPLET).parent
@@ -107,30 +107,25 @@ class StrangerTest(Keys):
     """A run across tcp with keys, and somebody else who reaches its addresses."""
 
     SETTINGS = ["coupling.listen=tcp://127.0.0.1:*"]
-    STEPS = 150
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        run = Run(COUPLET, "--steps", str(cls.STEPS))
-        cls.addClassCleanup(run.close)
-        assert run.end(600)[0] == 0
-        cls.undisturbed = (run.out / "history.csv").read_bytes()
 
     def attack(self, stranger, lines):
         """Once in the midst of a run; `lines` is what the log must say of it, None where ZeroMQ itself drops the connection in silence."""
-        run = Run(COUPLET, "--steps", str(self.STEPS), "--keys", str(self.keys), settings=self.SETTINGS)
+        run = Run(COUPLET, "--keys", str(self.keys), settings=self.SETTINGS)
         self.addCleanup(run.close)
         run.wait_for_steps(10)
         addresses = re.findall(r"listening (tcp://\S+)", (run.out / "log.txt").read_text())
         self.assertEqual(len(addresses), 2)
         for address in addresses:
             stranger(address)
-        self.assertLess(run.n_rows(), self.STEPS, "the run was over before the stranger was through")
-        code, errors = run.end(600)
+        run.wait_for_steps(run.n_rows() + 10)
+        interrupt(run)
+        code, errors = run.end(60)
         self.assertEqual(code, 0, errors)
+        undisturbed = Run(COUPLET, "--steps", str(run.n_rows()))
+        self.addCleanup(undisturbed.close)
+        self.assertEqual(undisturbed.end(600)[0], 0)
         self.assertNotIn("restarts", run.summary())
-        self.assertEqual((run.out / "history.csv").read_bytes(), self.undisturbed)
+        self.assertEqual((run.out / "history.csv").read_bytes(), (undisturbed.out / "history.csv").read_bytes())
         said = re.findall(r"tcp://\S+: a program that .*", (run.out / "log.txt").read_text())
         if lines is not None:
             self.assertTrue(said)
