@@ -22,7 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 ChildProcess attended(const std::string& script) {
-  return {{"sh", {COUPLET_LAUNCHER, "attend", "sh", "-c", script}, {}, {}, {}, {}, true}, {}};
+  ProgramStart start{"sh", {COUPLET_LAUNCHER, "attend", "sh", "-c", script}, {}, {}, {}};
+  start.is_attended = true;
+  return {start, {}};
 }
 
 /// Its exit code, once it has ended; -1 when that takes too long.

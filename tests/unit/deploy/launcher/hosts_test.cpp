@@ -62,7 +62,8 @@ TEST(Hosts, AreReachedByTheRemoteShell) {
   v1::Hosts hosts = read(three);
   hosts.set_remote_shell("srun -w {host} bash -c {command}");
   EXPECT_EQ(mpi_agent(hosts), "") << "Open MPI could not use it";
-  const ProgramStart start{"solid-server", {"/bin/solid server", "it's"}, {{"A", "1 2"}}, "--solid", {}, "c"};
+  ProgramStart start{"solid-server", {"/bin/solid server", "it's"}, {{"A", "1 2"}}, "--solid", {}};
+  start.host = "c";
   const ProgramStart there = through_remote_shell(start, hosts, "/bin/couplet");
   ASSERT_EQ(there.command.size(), 6U);
   EXPECT_EQ(std::vector(there.command.begin(), there.command.end() - 1),
@@ -78,7 +79,8 @@ TEST(Hosts, NeedNoRemoteShellOnThisMachine) {
   std::array<char, 256> own{};
   gethostname(own.data(), own.size() - 1);
   for (const std::string& name : {std::string("localhost"), std::string(own.data())}) {
-    const ProgramStart start{"coupler", {"coupler", "run"}, {}, {}, {}, name};
+    ProgramStart start{"coupler", {"coupler", "run"}, {}, {}, {}};
+    start.host = name;
     EXPECT_EQ(through_remote_shell(start, read(three), "couplet").command, start.command);
     EXPECT_TRUE(answers(name, read(three)));
   }
