@@ -8,7 +8,7 @@
 namespace couplet::launcher {
 namespace {
 
-constexpr int lost_program = 4;
+constexpr int given_up = 4;  // exit code
 
 std::optional<std::int64_t> step_to_resume(const std::filesystem::path& from) {
   try {
@@ -51,7 +51,7 @@ std::string Restarts::from_where() const {
 
 Verdict Restarts::settle(const Verdict& last) const {
   if (!last.is_loss || n_in_vain_ <= first_.restarts || first_.restarts == 0) return last;
-  return {lost_program,
+  return {given_up,
           "the run was lost " + std::to_string(n_in_vain_) +
               " times in a row before it came to its next checkpoint, the last time because " + last.sentence +
               "; log.txt says what was before each of them",

@@ -8,11 +8,11 @@
 #include <cstdint>
 #include <vector>
 
+#include "proto/wire/curve_keys.hpp"
+
 namespace couplet::wire {
 
 namespace {
-
-constexpr std::size_t key_bytes = 32;
 
 // Frames of a request: version, request id, domain, address, identity, mechanism, then the key (ZAP).
 enum : std::size_t { request_id = 1, mechanism = 5, key = 6, n_frames = 7 };
@@ -30,7 +30,7 @@ std::vector<std::string> take(zmq::socket_t& socket) {
 }  // namespace
 
 CurveGate::CurveGate(zmq::context_t& context, const std::string& peer_public_key)
-    : peer_key_(key_bytes, '\0'),
+    : peer_key_(curve_key_bytes, '\0'),
       requests_(context, ZMQ_REP),
       end_(context, ZMQ_PAIR),
       told_to_end_(context, ZMQ_PAIR) {

@@ -11,7 +11,7 @@ namespace couplet::wire {
 
 namespace {
 
-constexpr std::size_t key_length = 40, key_bytes = 32;
+constexpr std::size_t key_length = 40;
 const std::string how_to_make =
     "make keys with `couplet keys DIR`, and give each host the .key of its own program and the .pub of the others";
 
@@ -20,7 +20,7 @@ std::string read_key(const std::filesystem::path& path) {
   if (!file) throw report::FileError(path.string(), "cannot read this key", how_to_make);
   std::string key, more;
   file >> key;
-  std::array<unsigned char, key_bytes> bytes{};
+  std::array<unsigned char, curve_key_bytes> bytes{};
   if (key.size() != key_length || file >> more || zmq_z85_decode(bytes.data(), key.c_str()) == nullptr)
     throw report::FileError(path.string(), "holds no key: one is 40 printable characters", how_to_make);
   return key;

@@ -1,10 +1,13 @@
 #pragma once
 // The keys of an encrypted, mutually authenticated link (CURVE), and the files that hold them.
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
 namespace couplet::wire {
+
+inline constexpr std::size_t curve_key_bytes = 32;
 
 /// Each in the 40 characters of Z85. A program knows its own pair and the public key of the one program that it talks
 /// to.

@@ -81,7 +81,7 @@ class ZeromqChannel : public Channel {
 
   void send(Frames message) override {
     assert(!message.empty());
-    if (watch_.is_lost()) throw lost();
+    if (is_lost()) throw lost();  // a quick exchange never waits, so that this is where news of connections is heard
     for (zmq::message_t& part : envelope()) send_part(part, true);
     for (std::size_t i = 0; i < message.size(); ++i) {
       zmq::message_t part = make_part(std::move(message[i]));
