@@ -149,9 +149,10 @@ TEST_F(LaunchPlanTest, AProgramOfTheUsersOwnTakesThePlaceOfAServer) {
   EXPECT_THAT(found.servers[1].environment.at("PYTHONPATH"), HasSubstr("/sources/deploy/participant"));
   scene_.mutable_coupling()->set_listen("tcp://10.0.0.5:*");
   scene_.mutable_coupling()->set_heartbeat_deadline(3);
+  options_.keys = "/my/keys";
   EXPECT_THAT(plan().servers[1].command,
               ElementsAre("env", "two words", "--stiffness", "5", "serve", "--listen", "tcp://10.0.0.5:*",
-                          "--heartbeat", "3", "--allow-remote", "scene.txtpb"));
+                          "--heartbeat", "3", "--key", "/my/keys/solid-server.key", "scene.txtpb"));
 }
 
 TEST_F(LaunchPlanTest, AProgramOfTheUsersOwnNeedsACoupledSceneAndSockets) {
