@@ -90,8 +90,11 @@ def cut_connections(pid):
     process = os.pidfd_open(pid)
     try:
         for entry in Path(f"/proc/{pid}/fd").iterdir():
-            if not os.readlink(entry).startswith("socket:"):
-                continue
+            try:
+                if not os.readlink(entry).startswith("socket:"):
+                    continue
+            except OSError:
+                continue  # a file that was closed while we looked
             copy = ctypes.CDLL(None, use_errno=True).syscall(PIDFD_GETFD, process, int(entry.name), 0)
             if copy < 0:
                 continue
